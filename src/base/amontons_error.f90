@@ -5,7 +5,7 @@
 !> means failed, and the caller returns at once.
 module amontons_error
    use amontons_kinds, only: dp
-   use amontons_text, only: newline, occurrences, pair_text, short_text, to_text, with_unit
+   use amontons_text, only: newline, occurrences, vector_text, short_text, to_text, with_unit
    implicit none (type, external)
    private
 
@@ -206,10 +206,10 @@ contains
    !> A position with its unit, if the case names units, for the text of a warning.
    pure function warning_list_place(self, position) result(text)
       class(warning_list_t), intent(in) :: self !! the warnings
-      real(dp), intent(in) :: position(2) !! the place [L]
+      real(dp), intent(in) :: position(:) !! the place [L]
       character(:), allocatable :: text
 
-      text = pair_text(position)
+      text = vector_text(position)
       if (allocated(self%units)) text = with_unit(text, self%units, 'L')
    end function warning_list_place
 

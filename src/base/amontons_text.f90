@@ -11,9 +11,10 @@ module amontons_text
    private
 
    public :: append_text, as_lines, columns, comma_separated, counted, ends_word, flush_right, heading, labeled, &
-      line_end, longest_decimal, lower_case, n_characters, nearest_word, newline, occurrences, pair_text, place_text, &
+      line_end, longest_decimal, lower_case, n_characters, nearest_word, newline, occurrences, place_text, &
       put_decimals, put_integer, put_text, quoted, read_integer, read_real, read_reals, replaced, scan_integer, &
-      scan_real, scientific, short_text, to_short_text, to_text, unit_of, utf_8_width, with_unit, xml_escaped
+      scan_real, scientific, short_text, to_short_text, to_text, unit_of, utf_8_width, vector_text, with_unit, &
+      xml_escaped
 
    !> Largest number of digits of an exponent; longer ones are refused, since no real of any kind has them.
    integer, parameter :: longest_exponent = 4
@@ -590,20 +591,24 @@ contains
       text = '  '//trim(label//repeat(' ', max(1, 20 - len(label)))//value)//newline
    end function labeled
 
-   !> Two numbers in parentheses, with at most seven digits each, such as (1.5, -2.0).
-   pure function pair_text(values) result(text)
-      real(dp), intent(in) :: values(2) !! the numbers
+   !> Numbers in parentheses, with at most seven digits each, such as (1.5, -2.0).
+   pure function vector_text(values) result(text)
+      real(dp), intent(in) :: values(:) !! the numbers, one at the least
       character(:), allocatable :: text
 
       text = '('//place_text(values)//')'
-   end function pair_text
+   end function vector_text
 
    !> Coordinates with at most seven digits, without brackets.
    pure function place_text(position) result(text)
-      real(dp), intent(in) :: position(2) !! the coordinates [L]
+      real(dp), intent(in) :: position(:) !! the coordinates, one at the least [L]
       character(:), allocatable :: text
+      integer :: i
 
-      text = short_text(position(1))//', '//short_text(position(2))
+      text = short_text(position(1))
+      do i = 2, size(position)
+         text = text//', '//short_text(position(i))
+      end do
    end function place_text
 
    !> A number with at most seven digits, for reading.

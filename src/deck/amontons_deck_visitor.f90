@@ -21,7 +21,7 @@ module amontons_deck_visitor
    implicit none (type, external)
    private
 
-   public :: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, is_filled, key_t, names_text
+   public :: body_words, deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, is_filled, key_t, names_text
 
    !> Largest number of values in a list.
    integer, parameter, public :: most_values = 1000000
@@ -52,6 +52,7 @@ module amontons_deck_visitor
       logical :: is_required = .false. !! whether the group must have it
       logical :: is_shared = .false. !! whether decks that share a factorization agree in it
       logical :: is_free = .false. !! whether these may differ in its value, though not in whether it is given
+      logical :: is_vector = .false. !! whether its numbers are one for each dimension, or for each pair of them
    contains
       procedure :: includes => key_includes
       procedure :: noun => key_noun
@@ -64,6 +65,9 @@ module amontons_deck_visitor
       type(deck_t) :: deck !! the deck that is read; without groups where none is
       type(group_t) :: group !! the group that is visited
       integer :: place = 0 !! which group of the deck it is; 0 where the deck has none
+      integer :: n_dim = 0 !! number of dimensions that the keys visited so far state; 0 where none does
+      character(:), allocatable :: dimension_key !! the key that stated them first: 'traction of 3 numbers'
+      integer :: dimension_line = 0 !! its line
       type(key_t), allocatable, private :: keys(:) !! the keys of the group visited so far
       character(:), allocatable, private :: missing !! those of them that the group must have and has not
    contains
@@ -73,6 +77,8 @@ module amontons_deck_visitor
       procedure :: text => visitor_text
       procedure :: flag => visitor_flag
       procedure :: words => visitor_words
+      procedure :: vector => visitor_vector
+      procedure :: state_dimensions => visitor_state_dimensions
       procedure :: real => visitor_real
       procedure :: list => visitor_list
       procedure :: whole => visitor_whole
@@ -159,6 +165,71 @@ contains
       call self%reals(whole_key, numbers, is_given)
       values = nint(numbers)
    end subroutine visitor_wholes
+
+   !> Visits a vector, which has two numbers in the plane and three in a solid, or the gradient of one, which has the
+   !> square of this: all components of its change along x, then of that along y, and so on.
+   subroutine visitor_vector(self, key, values, is_given)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      type(key_t), intent(in) :: key !! the key
+      real(dp), intent(inout) :: values(:)
+         !! the numbers in space (3 or 9); those that the plane has not stay as they are
+      logical, intent(inout), optional :: is_given !! see the procedure for reals
+      type(key_t) :: vector_key
+      real(dp), allocatable :: own(:)
+      integer :: n, n_dim
+      logical :: is_own(3, 3)
+
+      n = 0
+      n_dim = merge(3, 2, self%n_dim == 3)
+      if (self%has(key%name)) n = self%deck%count_values(self%place, key%name, size(values) + 1)
+      if (n == size(values)) n_dim = 3
+      if (n == 2 .and. size(values) == 3 .or. n == 4) n_dim = 2
+      vector_key = key
+      vector_key%is_vector = .true.
+      is_own = .false.
+      is_own(:n_dim, :n_dim) = .true.
+      associate (is_chosen => pack(is_own(:, :size(values)/3), .true.))
+         own = pack(values, is_chosen)
+         call self%reals(vector_key, own, is_given)
+         values = unpack(own, is_chosen, values)
+      end associate
+      if (n == size(own)) call self%state_dimensions(n_dim, key%name, ' of '//to_text(n)//' numbers')
+   end subroutine visitor_vector
+
+   !> Notes that keys, where they are given, are those of a plane body or of a solid, and refuses those that contradict
+   !> each other.
+   subroutine visitor_state_dimensions(self, n_dim, keys, form)
+      class(deck_visitor_t), intent(inout) :: self !! the visitor
+      integer, intent(in) :: n_dim !! number of dimensions, 2 or 3
+      character(*), intent(in) :: keys !! names of the keys, a blank between two
+      character(*), intent(in), optional :: form !! what about them states it: ' of 3 numbers'
+      character(:), allocatable :: stating
+      integer :: first, last
+
+      last = -1
+      do while (last < len_trim(keys))
+         first = last + 2
+         last = first + index(trim(keys(first:))//' ', ' ') - 2
+         if (.not. self%has(keys(first:last))) cycle
+         stating = keys(first:last)
+         if (present(form)) stating = stating//form
+         if (self%n_dim == 0) then
+            self%n_dim = n_dim
+            self%dimension_key = stating
+            self%dimension_line = self%deck%line_of(self%place, keys(first:last))
+         end if
+         call self%require(self%n_dim == n_dim, keys(first:last), stating//body_words(n_dim)//', but '// &
+            self%dimension_key//' in line '//to_text(self%dimension_line)//body_words(self%n_dim))
+      end do
+   end subroutine visitor_state_dimensions
+
+   !> What keys of so many dimensions are for, as a sentence on one of them ends.
+   pure function body_words(n_dim) result(words)
+      integer, intent(in) :: n_dim !! number of dimensions, 2 or 3
+      character(:), allocatable :: words
+
+      words = ' is for '//trim(merge('a solid     ', 'a plane body', n_dim == 3))
+   end function body_words
 
    !> Visits a list of real numbers of any length.
    subroutine visitor_list(self, key, values, is_given)
@@ -386,10 +457,12 @@ contains
       kind = key%noun()
       if (size(values) /= 1) kind = kind//'s'
       if (size(values) > 1) kind = to_text(size(values))//' '//kind
+      if (key%is_vector) kind = trim(merge('2 or 3', '4 or 9', size(values) < 4))//' numbers'
       range = key%range()
       if (index(range, 'at least') == 1) range = ', '//range
       if (index(range, 'above') == 1) range = ' '//range
-      if (key%is_nonzero) range = trim(merge(', not both 0', ', not 0     ', size(values) > 1))
+      if (key%is_nonzero) range = trim(merge(', not both 0', ', not 0     ', size(values) == 2 &
+         .and. .not. key%is_vector))
       if (key%is_ascending) range = range//', ascending'
       is_written = all(key%includes(values)) .and. .not. (key%is_nonzero .and. all(abs(values) <= 0.0_dp))
       if (present(is_given)) is_written = is_given
@@ -449,6 +522,7 @@ contains
       logical, intent(in) :: is_given !! whether it is written
       character(:), allocatable :: item
 
+      if (key%is_vector .and. self%n_dim == 0) return
       if (.not. is_given .or. (self%is_shared_only .and. .not. (self%group%is_shared .or. key%is_shared))) return
       item = trim(key%name)//' = '//value
       if (self%is_shared_only .and. key%is_free) item = trim(key%name)

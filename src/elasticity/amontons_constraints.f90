@@ -35,7 +35,7 @@ module amontons_constraints
       logical :: is_given = .false. !! whether it is
       logical :: has_point = .false.
          !! whether the point is given; else it is the middle of the extents of the set along x and y
-      real(dp) :: point(2) = 0.0_dp !! the point [L]
+      real(dp) :: point(3) = 0.0_dp !! the point [L]
    end type rigid_face_t
 
    !> A set that moves as a rigid body.
@@ -62,7 +62,7 @@ module amontons_constraints
    type :: support_t
       character(:), allocatable :: name !! its name, by which a load history refers to it; empty without one
       character(:), allocatable :: set !! name of the boundary set; empty for a support at a point
-      real(dp) :: point(2) = 0.0_dp !! coordinates of the node [L]; read when `set` is empty
+      real(dp) :: point(3) = 0.0_dp !! coordinates of the node [L]; read when `set` is empty
       logical :: is_held(size(supported_components)) = .false. !! which components are prescribed
       real(dp) :: displacement(size(supported_components)) = 0.0_dp !! their values; that of a turn an angle [L], [rad]
       real(dp) :: spring(2) = 0.0_dp !! stress per displacement along normal and tangent of the set [F/L^3]
@@ -199,7 +199,7 @@ contains
          rigid%axis(3) = 2*n_components - 3
          rigid%point = 0.5_dp*(minval(x, dim=2) + maxval(x, dim=2))
       end associate
-      if (face%has_point) rigid%point = face%point
+      if (face%has_point) rigid%point = face%point(:2)
       rigid%place = mesh%coordinates(:, rigid%lead(2:))
       rigid%length = merge(rigid%place(1, 2), norm2(rigid%place(:, 2) - rigid%place(:, 1)), n_components > 2)
    end subroutine new_rigid_set
@@ -294,8 +294,8 @@ contains
          associate (support => supports(i))
             if (support%is_driven()) cycle
             is_done = len(support%set) == 0
-            if (is_done) call hold_nodes(constraints, prescribed, mesh, [mesh%nearest_node(support%point)], support, &
-               i, error)
+            if (is_done) call hold_nodes(constraints, prescribed, mesh, &
+               [mesh%nearest_node(support%point(:size(mesh%coordinates, 1)))], support, i, error)
             set = find_set(mesh%node_sets, support%set)
             if (set > 0 .and. .not. any(support%is_held(3:4)) .and. any(support%is_held)) then
                call hold_nodes(constraints, prescribed, mesh, mesh%node_sets(set)%node, support, i, error)
@@ -452,8 +452,8 @@ contains
       integer :: component, i
 
       if (any(nodes == 0)) then
-         call new_error(error, input_refused, 'no node at the point '//to_text(support%point(1))//', '// &
-            to_text(support%point(2)))
+         call new_error(error, input_refused, 'no node at the point '//place_text( &
+            support%point(:size(mesh%coordinates, 1))))
       else if (any(support%is_held(5:)) .and. .not. constraints%is_twisted()) then
          call new_error(error, input_refused, 'utheta and turn need twist = .true. in &material')
       end if

@@ -1,6 +1,7 @@
 !> The loads of a body: tractions and pressures on boundary sets, point forces, body forces, and temperatures with their
 !> free thermal strain.
 module amontons_loads
+   use amontons_dense, only: cholesky_factor, cholesky_solve, vector_product
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
    use amontons_element, only: has_bubble
    use amontons_error, only: error_t, input_refused, new_error
@@ -9,7 +10,7 @@ module amontons_loads
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t, on_axis
    use amontons_mesh, only: mesh_t
-   use amontons_text, only: to_text
+   use amontons_text, only: place_text, to_text
    implicit none (type, external)
    private
 
@@ -26,34 +27,38 @@ module amontons_loads
    !> Target of a load: the motion of a rigid set, or the jump of a preload.
    integer, parameter, public :: load_on_motion = 5
 
-   !> A load. Which components are used depends on its target.
+   !> A load. Which components are used depends on its target; a plane body has x and y alone.
    type :: load_t
       character(:), allocatable :: name !! its name, by which sweeps and histories refer to it; empty without one
       integer :: target = load_on_sides !! sides, nodes, region, temperature or motion
       character(:), allocatable :: set !! name of the boundary set or node set; empty where a point or region counts
       character(:), allocatable :: region !! region of a body force or temperature; empty for the whole body
-      real(dp) :: traction(2) = 0.0_dp !! force per area at the origin, x and y [F/L^2]
-      real(dp) :: traction_slope(2, 2) = 0.0_dp !! its change per length: (:, 1) along x, (:, 2) along y [F/L^3]
+      real(dp) :: traction(3) = 0.0_dp !! force per area at the origin [F/L^2]
+      real(dp) :: traction_slope(3, 3) = 0.0_dp !! its change per length: (:, 1) along x, (:, 2) along y, ... [F/L^3]
       real(dp) :: traction_theta = 0.0_dp !! force per area around the axis of a twisted body [F/L^2]
       real(dp) :: torque = 0.0_dp
          !! moment about the axis of a traction around it on the set in proportion to the radius; 0 for none [F L]
       real(dp) :: torque_traction = 0.0_dp !! this traction over the radius [F/L^3]
       real(dp) :: pressure = 0.0_dp !! force per area against the outward normal, at the origin [F/L^2]
-      real(dp) :: pressure_slope(2) = 0.0_dp !! its change per length along x and y [F/L^3]
-      real(dp) :: total_force(2) = 0.0_dp
-         !! resultant of a uniform traction on the set, over the thickness or all around the axis; 0, 0 for none [F]
-      real(dp) :: point(2) = 0.0_dp !! coordinates of the node of a point force without a set [L]
-      real(dp) :: force(2) = 0.0_dp
-         !! force on the node, on each node of the set, or on the rigid set, x and y; the first is that of a preload [F]
-      real(dp) :: moment = 0.0_dp !! moment on the rigid set about its point [F L]
-      real(dp) :: body_force(2) = 0.0_dp !! force per volume, x and y [F/L^3]
-      real(dp) :: gravity(2) = 0.0_dp !! acceleration that makes a weight of the density, x and y [L/T^2]
+      real(dp) :: pressure_slope(3) = 0.0_dp !! its change per length [F/L^3]
+      real(dp) :: total_force(3) = 0.0_dp
+         !! resultant of a traction on the set, over the thickness or all around the axis; 0 for none [F]
+      real(dp) :: total_moment(3) = 0.0_dp !! its moment about a point, on a solid; 0 for none [F L]
+      logical :: has_about = .false. !! whether this point is given; else it is the centroid of the set
+      real(dp) :: about(3) = 0.0_dp !! the point [L]
+      real(dp) :: point(3) = 0.0_dp !! coordinates of the node of a point force without a set [L]
+      real(dp) :: force(3) = 0.0_dp
+         !! force on the node, on each node of the set, or on the rigid set; the first is that of a preload [F]
+      real(dp) :: moment(3) = 0.0_dp
+         !! moment on the rigid set about its point; in the plane and about the axis of a twisted body the third [F L]
+      real(dp) :: body_force(3) = 0.0_dp !! force per volume [F/L^3]
+      real(dp) :: gravity(3) = 0.0_dp !! acceleration that makes a weight of the density [L/T^2]
       real(dp) :: angular_speed = 0.0_dp !! of a rotation: its centrifugal force acts on the density [1/T]
-      real(dp) :: center(2) = 0.0_dp !! a point of the axis of this rotation; of no effect in a body of revolution [L]
-      real(dp) :: axis(2) = 0.0_dp
-         !! direction of this axis in the plane, of any length; 0, 0 for one normal to the plane, or of revolution [-]
+      real(dp) :: center(3) = 0.0_dp !! a point of the axis of this rotation; of no effect in a body of revolution [L]
+      real(dp) :: axis(3) = 0.0_dp
+         !! direction of this axis, of any length; 0 for one normal to the plane, or of revolution [-]
       real(dp) :: temperature = 0.0_dp !! temperature above that of the body without thermal strain, at the origin [K]
-      real(dp) :: temperature_slope(2) = 0.0_dp !! its change along x and y [K/L]
+      real(dp) :: temperature_slope(3) = 0.0_dp !! its change along x, y, z [K/L]
       real(dp), allocatable :: temperature_table(:, :)
          !! instead: numbers of nodes as in the mesh's file, and their temperatures (2, entries) [K]
       character(:), allocatable :: temperature_file !! the file of this table; empty or not allocated without one
@@ -105,36 +110,65 @@ contains
       end do
    end subroutine load_vector
 
-   !> Replaces the total force of a load by the uniform traction with this resultant, and a torque by the traction
-   !> around the axis that increases with the radius.
+   !> Replaces the total force of a load by the uniform traction with this resultant, its moment by that which increases
+   !> with the distance from an axis through the centroid, and a torque by the one around the axis of revolution.
    subroutine spread_total_force(load, mesh, materials, error)
-      type(load_t), intent(inout) :: load !! the load; gains the traction if it has a total force or a torque
+      type(load_t), intent(inout) :: load !! the load; gains the traction if it has a total force, a moment or a torque
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, for the depth
       type(error_t), allocatable, intent(out) :: error !! no such set, or one without area
       type(face_t), allocatable :: faces(:)
-      real(dp) :: area, polar_moment
-      integer :: i, point
+      real(dp) :: area, polar_moment, centroid(size(mesh%coordinates, 1))
+      integer :: i, n_dim, point
 
-      if (.not. any(abs([load%total_force, load%torque]) > 0.0_dp)) return
+      n_dim = size(centroid)
+      if (.not. any(abs([load%total_force, load%total_moment, load%torque]) > 0.0_dp)) return
       call set_faces(faces, mesh, load%set, error, materials)
       if (allocated(error)) return
       area = 0.0_dp
       polar_moment = 0.0_dp
+      centroid = 0.0_dp
       do i = 1, size(faces)
          do point = 1, size(faces(i)%area)
             area = area + faces(i)%area(point)
+            centroid = centroid + faces(i)%area(point)*faces(i)%position(:n_dim, point)
             polar_moment = polar_moment + faces(i)%area(point)*faces(i)%position(1, point)**2
          end do
       end do
       if (area > 0.0_dp) then
          if (any(abs(load%total_force) > 0.0_dp)) load%traction = load%total_force/area
          load%torque_traction = load%torque/polar_moment
+         if (any(abs(load%total_moment) > 0.0_dp)) call spread_total_moment(load, faces, centroid/area)
       else
          call new_error(error, input_refused, merge('torque     ', 'total_force', abs(load%torque) > 0.0_dp)// &
             ": set '"//load%set//"' lies on the axis of revolution and has no area")
       end if
    end subroutine spread_total_force
+
+   !> Adds the traction b x (x - c) with the moment of a load on a set of faces in space; c is their centroid.
+   subroutine spread_total_moment(load, faces, centroid)
+      type(load_t), intent(inout) :: load !! the load, with the uniform traction of its total force
+      type(face_t), intent(in) :: faces(:) !! the faces
+      real(dp), intent(in) :: centroid(:) !! their centroid (3) [L]
+      real(dp) :: inertia(3, 3), arm(3), b(3)
+      integer :: i, info, n_dim, point
+
+      n_dim = size(centroid)
+      inertia = 0.0_dp
+      do i = 1, size(faces)
+         do point = 1, size(faces(i)%area)
+            arm = faces(i)%position(:n_dim, point) - centroid
+            inertia = inertia + faces(i)%area(point)*(norm2(arm)**2*reshape([1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3]) &
+               - spread(arm, 1, 3)*spread(arm, 2, 3))
+         end do
+      end do
+      b = load%total_moment
+      if (load%has_about) b = b + vector_product(load%about - centroid, load%total_force)
+      call cholesky_factor(inertia, info)
+      call cholesky_solve(inertia, b)
+      load%traction = load%traction - vector_product(b, centroid)
+      load%traction_slope = reshape([0.0_dp, b(3), -b(2), -b(3), 0.0_dp, b(1), b(2), -b(1), 0.0_dp], [3, 3])
+   end subroutine spread_total_moment
 
    !> Adds the nodal forces of a traction and a pressure on the sides of a set.
    subroutine add_side_forces(forces, mesh, materials, given, error)
@@ -149,18 +183,19 @@ contains
       integer :: i, k, point
 
       load = given
-      if (any(abs([load%traction_theta, load%torque]) > 0.0_dp) .and. .not. materials%is_twisted()) call new_error( &
-         error, input_refused, 'torque and traction_theta need twist = .true. in &material')
+      if (any(abs([load%traction_theta, load%torque]) > 0.0_dp) .and. .not. materials%is_twisted()) then
+         call new_error(error, input_refused, 'torque and traction_theta need twist = .true. in &material')
+      end if
       if (.not. allocated(error)) call spread_total_force(load, mesh, materials, error)
       if (.not. allocated(error)) call set_faces(faces, mesh, load%set, error, materials)
       if (allocated(error)) return
       do i = 1, size(faces)
-         associate (face => faces(i))
+         associate (face => faces(i), n_dim => size(mesh%coordinates, 1))
             do point = 1, size(face%area)
-               associate (x => face%position(:, point), length => face%length(point))
-                  force(:2) = (load%traction + matmul(load%traction_slope, x))*length &
-                     - (load%pressure + dot_product(load%pressure_slope, x))*face%outward(:, point)
+               associate (x => face%position(:n_dim, point), length => face%length(point))
                   force(3) = (load%traction_theta + load%torque_traction*x(1))*length
+                  force(:n_dim) = (load%traction(:n_dim) + matmul(load%traction_slope(:n_dim, :n_dim), x))*length &
+                     - (load%pressure + dot_product(load%pressure_slope(:n_dim), x))*face%outward(:n_dim, point)
                end associate
                force = force*face%depth(point)
                do k = 1, face%n_nodes
@@ -181,12 +216,13 @@ contains
          !! no such node set, no node at the point, or a force away from the axis of revolution
       integer, allocatable :: nodes(:)
       logical :: is_on_axis(mesh%n_nodes)
-      integer :: i
+      integer :: i, n_dim
 
+      n_dim = size(mesh%coordinates, 1)
       if (len(load%set) == 0) then
-         nodes = [mesh%nearest_node(load%point)]
-         if (nodes(1) == 0) call new_error(error, input_refused, 'no node at the point '//to_text(load%point(1))// &
-            ', '//to_text(load%point(2)))
+         nodes = [mesh%nearest_node(load%point(:n_dim))]
+         if (nodes(1) == 0) call new_error(error, input_refused, 'no node at the point '//place_text( &
+            load%point(:n_dim)))
       else
          call mesh%set_nodes(load%set, nodes, error)
       end if
@@ -197,7 +233,7 @@ contains
          return
       end if
       do i = 1, size(nodes)
-         forces(:2, nodes(i)) = forces(:2, nodes(i)) + load%force
+         forces(:n_dim, nodes(i)) = forces(:n_dim, nodes(i)) + load%force(:n_dim)
       end do
    end subroutine add_point_forces
 
@@ -210,10 +246,11 @@ contains
       type(error_t), allocatable, intent(out) :: error !! no such region, no density, or a force that turns the axis
       type(element_geometry_t) :: geometry
       integer, allocatable :: elements(:)
-      real(dp) :: force(2)
+      real(dp) :: force(size(mesh%coordinates, 1))
       logical :: spins
-      integer :: i, k, point
+      integer :: i, k, point, n_dim
 
+      n_dim = size(mesh%coordinates, 1)
       call mesh%region_elements(load%region, elements, error)
       if (allocated(error)) return
       spins = abs(load%angular_speed) > 0.0_dp
@@ -225,6 +262,8 @@ contains
             call new_error(error, input_refused, 'a body of revolution spins about its own axis, x = 0: leave out '// &
                'center and axis')
          end if
+      else if (spins .and. any(materials%list%is_solid) .and. .not. any(abs(load%axis) > 0.0_dp)) then
+         call new_error(error, input_refused, 'angular_speed of a solid needs the axis of its rotation')
       end if
       if ((spins .or. any(abs(load%gravity) > 0.0_dp)) .and. &
          any(.not. materials%list(materials%of_element(elements))%density > 0.0_dp)) call new_error(error, &
@@ -234,16 +273,17 @@ contains
          associate (material => materials%list(materials%of_element(elements(i))))
             call new_element_geometry(geometry, mesh, elements(i), material)
             do point = 1, geometry%n_points
-               force = geometry%volume(point)*force_density(load, material, geometry%position(:, point))
+               force = geometry%volume(point)*force_density(load, material, geometry%position(:n_dim, point))
                do k = 1, geometry%n_nodes
-                  forces(:2, geometry%node(k)) = forces(:2, geometry%node(k)) + geometry%values(k, point)*force
+                  forces(:n_dim, geometry%node(k)) = forces(:n_dim, geometry%node(k)) &
+                     + geometry%values(k, point)*force
                end do
             end do
             if (geometry%n_functions == geometry%n_nodes) cycle
-            force = force_on_bubble(load, material, geometry)
+            force = force_on_bubble(load, material, geometry, n_dim)
             do k = 1, geometry%n_nodes
-               forces(:2, geometry%node(k)) = forces(:2, geometry%node(k)) &
-                  + matmul(force, geometry%projection%bubble(:, 2*k - 1:2*k))
+               forces(:n_dim, geometry%node(k)) = forces(:n_dim, geometry%node(k)) &
+                  + matmul(force, geometry%projection%bubble(:, n_dim*(k - 1) + 1:n_dim*k))
             end do
          end associate
       end do
@@ -253,33 +293,36 @@ contains
    pure function force_density(load, material, position) result(density)
       type(load_t), intent(in) :: load !! the load
       type(material_t), intent(in) :: material !! the material there
-      real(dp), intent(in) :: position(2) !! the place [L]
-      real(dp) :: density(2)
-      real(dp) :: along(2), way(2)
+      real(dp), intent(in) :: position(:) !! the place [L]
+      real(dp) :: density(size(position))
+      real(dp), dimension(size(position)) :: along, way
+      integer :: n
 
       ! The way from the axis of rotation, along which the centrifugal acceleration acts.
-      way = position - load%center
+      n = size(position)
+      way = position - load%center(:n)
       if (material%is_axisymmetric) then
          way(2) = 0.0_dp
       else if (any(abs(load%axis) > 0.0_dp)) then
-         along = load%axis/norm2(load%axis)
+         along = load%axis(:n)/norm2(load%axis)
          way = way - dot_product(way, along)*along
       end if
-      density = load%body_force + material%density*(load%gravity + load%angular_speed**2*way)
+      density = load%body_force(:n) + material%density*(load%gravity(:n) + load%angular_speed**2*way)
    end function force_density
 
    !> The part of a force per volume that acts on the bubble of an element [F].
-   pure function force_on_bubble(load, material, geometry) result(force)
+   pure function force_on_bubble(load, material, geometry, n_dim) result(force)
       type(load_t), intent(in) :: load !! the load
       type(material_t), intent(in) :: material !! the material of the element
       type(element_geometry_t), intent(in) :: geometry !! its shape functions, with a bubble
-      real(dp) :: force(2)
+      integer, intent(in) :: n_dim !! number of dimensions
+      real(dp) :: force(n_dim)
       integer :: point
 
       force = 0.0_dp
       do point = 1, geometry%n_points
          force = force + geometry%values(geometry%n_functions, point)*geometry%volume(point) &
-            *force_density(load, material, geometry%position(:, point))
+            *force_density(load, material, geometry%position(:n_dim, point))
       end do
    end function force_on_bubble
 
@@ -287,9 +330,9 @@ contains
    !> loads and materials may differ from one element to the next, and the displacements of bubbles by body forces.
    subroutine sum_element_loads(inside, mesh, materials, loads, error)
       real(dp), allocatable, intent(out) :: inside(:)
-         !! largest coefficient times temperature at the nodes of each element, in the order of `mesh%node`, then x and
-         !! y of the displacement of the bubble of each; not allocated without temperatures and bubbles that body forces
-         !! move [-], [L]
+         !! largest coefficient times temperature at the nodes of each element, in the order of `mesh%node`, then the
+         !! components of the displacement of the bubble of each; not allocated without temperatures and bubbles that
+         !! body forces move [-], [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials, with their coefficients
       type(load_t), intent(in) :: loads(:) !! the loads
@@ -299,11 +342,12 @@ contains
       integer, allocatable :: elements(:)
       real(dp), allocatable :: at_nodes(:)
       logical :: has_bubbles
-      integer :: first, last, i, k
+      integer :: first, last, i, k, n_dim
 
+      n_dim = size(mesh%coordinates, 1)
       has_bubbles = any(has_bubble(mesh%element_kind) .and. materials%list(materials%of_element)%is_b_bar)
       if (.not. any(loads%target == load_by_temperature .or. (loads%target == load_on_region .and. has_bubbles))) return
-      allocate (inside(size(mesh%node) + 2*mesh%n_elements), source=0.0_dp)
+      allocate (inside(size(mesh%node) + n_dim*mesh%n_elements), source=0.0_dp)
       do i = 1, size(loads)
          if (all(loads(i)%target /= [load_by_temperature, load_on_region])) cycle
          call mesh%region_elements(loads(i)%region, elements, error)
@@ -321,9 +365,10 @@ contains
                      + at_nodes(mesh%node(first:last))*material%largest_expansion()
                else if (has_bubbles) then
                   call new_element_geometry(geometry, mesh, elements(k), material)
-                  last = size(mesh%node) + 2*elements(k)
-                  if (geometry%n_functions > geometry%n_nodes) inside(last - 1:last) = inside(last - 1:last) &
-                     + matmul(geometry%projection%compliance, force_on_bubble(loads(i), material, geometry))
+                  last = size(mesh%node) + n_dim*elements(k)
+                  first = last - n_dim + 1
+                  if (geometry%n_functions > geometry%n_nodes) inside(first:last) = inside(first:last) &
+                     + matmul(geometry%projection%compliance, force_on_bubble(loads(i), material, geometry, n_dim))
                end if
             end associate
          end do
@@ -343,7 +388,7 @@ contains
       logical :: is_met(mesh%n_nodes)
       integer :: i, node, row, tag
 
-      temperature = load%temperature + matmul(load%temperature_slope, mesh%coordinates)
+      temperature = load%temperature + matmul(load%temperature_slope(:size(mesh%coordinates, 1)), mesh%coordinates)
       if (.not. allocated(load%temperature_table)) return
       tags = nint(load%temperature_table(1, :))
       call new_tag_map(map, tags)

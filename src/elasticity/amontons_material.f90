@@ -1,19 +1,22 @@
-!> Linear elasticity in the plane and in bodies of revolution, isotropic or orthotropic.
+!> Linear elasticity in the plane, in bodies of revolution and in solids, isotropic or orthotropic.
 module amontons_material
-   use amontons_dense, only: cholesky_factor, cholesky_solve
+   use amontons_dense, only: cholesky_factor, cholesky_solve, vector_product
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
+   use amontons_rounding, only: input_rounding
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: formulation_names, hypothesis_names, isotropic_law, material_t, materials_t, new_material, new_materials, &
-      on_axis, turned_compliance
+   public :: axes_at_angle, formulation_names, hypothesis_names, isotropic_law, material_t, materials_t, new_material, &
+      new_materials, on_axis, turned_compliance
 
    !> Hypotheses that reduce a body to the plane, as a deck writes them. Under 'axisymmetric' x is the radius and y the
    !> axis of revolution.
    character(12), parameter :: hypothesis_names(*) = [character(12) :: 'plane strain', 'plane stress', 'axisymmetric']
+   !> In the place of a hypothesis: the body is not reduced, its mesh has three coordinates.
+   character(*), parameter :: no_hypothesis = 'solid'
 
    !> Integration of the volume change, as a deck writes it: at every quadrature point, or projected to few polynomials
    !> in each element (B-bar); the first word chooses the one that suits Poisson's ratio.
@@ -42,24 +45,31 @@ module amontons_material
       real(dp) :: young(3) = 0.0_dp !! Young's modulus; along the three axes of an orthotropic material [F/L^2]
       real(dp) :: poisson(3) = 0.0_dp
          !! Poisson's ratio; of an orthotropic material nu12, nu13, nu23: how axis 2 contracts when 1 is pulled, ... [-]
-      real(dp) :: shear = 0.0_dp !! shear modulus in the plane of axes 1 and 2; 0 if the material is isotropic [F/L^2]
-      real(dp) :: angle = 0.0_dp !! angle of axis 1 to the x axis, counterclockwise; axis 3 is that of z [degrees]
+      real(dp) :: shear(3) = 0.0_dp
+         !! shear moduli G12, G13, G23, of which the plane has the first; 0 if the material is isotropic [F/L^2]
+      real(dp) :: axis1(3) = [1.0_dp, 0.0_dp, 0.0_dp] !! direction of axis 1 in a solid, but for the angle [-]
+      real(dp) :: axis2(3) = [0.0_dp, 1.0_dp, 0.0_dp] !! direction in the plane of axes 1 and 2, on the side of 2 [-]
+      real(dp) :: angle = 0.0_dp
+         !! angle by which axes 1 and 2 are turned about axis 3, which is that of z but in a solid [degrees]
+      real(dp) :: axes(3, 3) = 0.0_dp !! the three axes as columns [-]
       real(dp) :: density = 0.0_dp !! mass per volume; 0 if it is not known [M/L^3]
       real(dp) :: expansion(3) = 0.0_dp !! coefficient of thermal expansion, along the three axes [1/K]
       real(dp) :: thickness = 1.0_dp !! thickness of a plane body; multiplies stiffness and loads [L]
-      character(12) :: hypothesis = 'plane strain' !! one of `hypothesis_names`
+      character(12) :: hypothesis = ''
+         !! one of `hypothesis_names`, or `no_hypothesis`; where it is empty, the mesh decides between it and the first
       character(8) :: formulation = 'auto' !! one of `formulation_names`
       logical :: is_b_bar = .false. !! whether its elements are of the B-bar formulation, but for linear triangles
       character(:), allocatable :: region !! the region it fills; empty for all that no other material fills
       real(dp) :: lambda = 0.0_dp !! first Lame coefficient of the hypothesis, if the material is isotropic [F/L^2]
       real(dp) :: mu = 0.5_dp !! then the shear modulus [F/L^2]
-      integer :: n_components = 2 !! components of a displacement: x, y and, with twist, the one around the axis
+      integer :: n_components = 2 !! components of a displacement: x, y and z or, with twist, the one around the axis
       real(dp) :: law(n_strains, n_strains) = 0.0_dp !! stresses of strains under the hypothesis [F/L^2]
       real(dp) :: compliance(n_strains, n_strains) = 0.0_dp !! strains of stresses in space [L^2/F]
       real(dp) :: plane_compliance(3, 3) = 0.0_dp
          !! the same in a plane body, where the stress zz follows from the hypothesis [L^2/F]
       logical :: is_plane_stress = .false. !! whether the hypothesis is 'plane stress'
       logical :: is_axisymmetric = .false. !! whether the hypothesis is 'axisymmetric'
+      logical :: is_solid = .false. !! whether the body is not reduced to the plane
       logical :: is_twisted = .false. !! whether its body may twist about the axis of revolution
       character(:), allocatable :: origin !! where the material was specified, for messages: 'deck.nml:12: '
    contains
@@ -91,8 +101,8 @@ contains
       type(material_t), intent(out) :: material !! the material
       real(dp), intent(in) :: young !! Young's modulus, positive [F/L^2]
       real(dp), intent(in) :: poisson !! Poisson's ratio, above -1 and below 0.5 [-]
-      character(*), intent(in) :: hypothesis !! one of `hypothesis_names`
-      real(dp), intent(in) :: thickness !! thickness, positive [L]
+      character(*), intent(in) :: hypothesis !! one of `hypothesis_names`, or `no_hypothesis`
+      real(dp), intent(in) :: thickness !! thickness, positive; 1 for a solid [L]
       type(error_t), allocatable, intent(out) :: error !! a value out of its range; the message begins with its name
 
       if (.not. young > 0.0_dp) then
@@ -101,7 +111,7 @@ contains
          call new_error(error, input_refused, 'poisson must lie above -1 and below 0.5, found '//to_text(poisson))
       else if (.not. thickness > 0.0_dp) then
          call new_error(error, input_refused, 'thickness must be positive, found '//to_text(thickness))
-      else if (all(hypothesis_names /= hypothesis)) then
+      else if (all([character(12) :: hypothesis_names, no_hypothesis] /= hypothesis)) then
          call new_error(error, input_refused, "hypothesis must be 'plane strain', 'plane stress' or "// &
             "'axisymmetric', found '"//hypothesis//"'")
       end if
@@ -121,23 +131,32 @@ contains
       type(error_t), allocatable, intent(out) :: error !! an orthotropic material that would gain energy when strained
       ! Least eigenvalue of the compliance in units of its diagonal: below it rounding spoils stresses.
       real(dp), parameter :: least = 1.0e-10_dp
-      ! Stresses that are not 0 in plane stress, then zz.
-      integer, parameter :: stressed(4) = [in_plane, 3]
-      real(dp) :: law(4, 4), root(4), stiffness(4, 4)
+      ! Stresses that are not 0 in plane stress, zz, and those that only a solid couples with them.
+      integer, parameter :: stressed(n_strains) = [in_plane, 3, 5, 6]
+      real(dp) :: law(n_strains, n_strains), root(3), stiffness(n_strains, n_strains)
       integer :: i, info, n
 
       self%is_plane_stress = self%hypothesis == 'plane stress'
       self%is_axisymmetric = self%hypothesis == 'axisymmetric'
-      if (self%is_twisted .and. (self%shear > 0.0_dp .or. .not. self%is_axisymmetric)) then
+      self%is_solid = self%hypothesis == no_hypothesis
+      if (self%is_twisted .and. (self%shear(1) > 0.0_dp .or. .not. self%is_axisymmetric)) then
          call new_error(error, input_refused, "twist needs hypothesis = 'axisymmetric' and an isotropic material")
-         return
+      else if (.not. norm2(vector_product(self%axis1, self%axis2)) &
+         > input_rounding*norm2(self%axis1)*norm2(self%axis2)) then
+         call new_error(error, input_refused, 'axis1 and axis2 must have different directions')
       end if
-      self%n_components = merge(3, 2, self%is_twisted)
+      if (allocated(error)) return
+      self%n_components = merge(3, 2, self%is_twisted .or. self%is_solid)
+      self%axes(:, 1) = self%axis1/norm2(self%axis1)
+      self%axes(:, 3) = vector_product(self%axes(:, 1), self%axis2)
+      self%axes(:, 3) = self%axes(:, 3)/norm2(self%axes(:, 3))
+      self%axes(:, 2) = vector_product(self%axes(:, 3), self%axes(:, 1))
+      self%axes = matmul(self%axes, axes_at_angle(self%angle*degree))
       associate (young => self%young, poisson => self%poisson)
          self%compliance = 0.0_dp
-         do i = 1, n_strains
-            self%compliance(i, i) = merge(1.0_dp/self%shear, 2.0_dp*(1.0_dp + poisson(1))/young(1), self%shear > 0.0_dp)
-            if (i <= 3) self%compliance(i, i) = 1.0_dp/young(i)
+         do i = 1, 3
+            self%compliance(i, i) = 1.0_dp/young(i)
+            self%compliance(i + 3, i + 3) = 2.0_dp*(1.0_dp + poisson(1))/young(1)
          end do
          self%compliance(2, 1) = -poisson(1)/young(1)
          self%compliance(3, 1) = -poisson(2)/young(1)
@@ -146,21 +165,25 @@ contains
          self%compliance(1, 3) = self%compliance(3, 1)
          self%compliance(2, 3) = self%compliance(3, 2)
       end associate
-      if (self%shear > 0.0_dp) then
-         root = sqrt([(self%compliance(i, i), i=1, size(root))])
-         law = self%compliance(:4, :4)/(spread(root, 1, size(root))*spread(root, 2, size(root)))
-         do i = 1, size(root)
+      if (self%shear(1) > 0.0_dp) then
+         root = sqrt([(self%compliance(i, i), i=1, 3)])
+         law(:3, :3) = self%compliance(:3, :3)/(spread(root, 1, 3)*spread(root, 2, 3))
+         do i = 1, 3
             law(i, i) = 1.0_dp - least
          end do
-         call cholesky_factor(law, info)
+         call cholesky_factor(law(:3, :3), info)
          if (info /= 0) then
             call new_error(error, input_refused, 'the elastic constants are not positive definite: nu12**2 E2/E1, '// &
                'nu13**2 E3/E1 and nu23**2 E3/E2 must be below 1, and so must their sum and 2 nu12 nu13 nu23 E3/E1')
             return
          end if
-         self%compliance(:4, :4) = turned_compliance(self%compliance(:4, :4), -self%angle*degree)
+         ! In the order of the strains: xy, yz, xz.
+         do i = 1, 3
+            self%compliance(i + 3, i + 3) = 1.0_dp/self%shear(merge(i, 5 - i, i == 1))
+         end do
+         self%compliance = turned_compliance(self%compliance, transpose(self%axes))
          ! In plane stress the strain zz is not known, and makes no stress.
-         n = merge(3, 4, self%is_plane_stress)
+         n = merge(6, merge(3, 4, self%is_plane_stress), self%is_solid)
          law = self%compliance(stressed, stressed)
          stiffness = 0.0_dp
          do i = 1, n
@@ -170,7 +193,7 @@ contains
          call cholesky_solve(law(:n, :n), stiffness(:n, :n))
          self%law(stressed, stressed) = stiffness
          self%lambda = self%law(1, 2)
-         self%mu = self%shear
+         self%mu = self%shear(1)
       else
          associate (young => self%young(1), poisson => self%poisson(1))
             self%mu = young/(2.0_dp*(1.0_dp + poisson))
@@ -210,23 +233,32 @@ contains
       bulk = self%lambda + 2.0_dp*self%mu/3.0_dp
    end function material_bulk
 
-   !> A compliance matrix in axes that are turned about z by an angle, counterclockwise [L^2/F].
-   pure function turned_compliance(compliance, angle) result(turned)
-      real(dp), intent(in) :: compliance(4, 4) !! the compliance, without the shears yz and xz [L^2/F]
-      real(dp), intent(in) :: angle !! the angle [rad]
-      real(dp) :: turned(4, 4)
-      real(dp) :: stress(4, 4), c, s
+   !> A compliance matrix in other axes [L^2/F].
+   pure function turned_compliance(compliance, axes) result(turned)
+      real(dp), intent(in) :: compliance(n_strains, n_strains) !! the compliance [L^2/F]
+      real(dp), intent(in) :: axes(3, 3) !! the other axes, orthonormal, as columns [-]
+      real(dp) :: turned(n_strains, n_strains)
+      integer, parameter :: first(n_strains) = [1, 2, 3, 1, 2, 1], second(n_strains) = [1, 2, 3, 2, 3, 3]
+      real(dp) :: stress(n_strains, n_strains)
+      integer :: i, k
 
       ! The stresses in the old axes that unit stresses in the turned ones are.
-      c = cos(angle)
-      s = sin(angle)
-      stress = 0.0_dp
-      stress(in_plane, 1) = [c**2, s**2, c*s]
-      stress(in_plane, 2) = [s**2, c**2, -c*s]
-      stress(3, 3) = 1.0_dp
-      stress(in_plane, 4) = [-2.0_dp*c*s, 2.0_dp*c*s, c**2 - s**2]
+      do k = 1, n_strains
+         do i = 1, n_strains
+            stress(i, k) = axes(first(i), first(k))*axes(second(i), second(k))
+            if (k > 3) stress(i, k) = stress(i, k) + axes(first(i), second(k))*axes(second(i), first(k))
+         end do
+      end do
       turned = matmul(transpose(stress), matmul(compliance, stress))
    end function turned_compliance
+
+   !> The axes that are turned about z by an angle, counterclockwise, as columns [-].
+   pure function axes_at_angle(angle) result(axes)
+      real(dp), intent(in) :: angle !! the angle [rad]
+      real(dp) :: axes(3, 3)
+
+      axes = reshape([cos(angle), sin(angle), 0.0_dp, -sin(angle), cos(angle), 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [3, 3])
+   end function axes_at_angle
 
    !> Chooses the integration of the volume change. In plane stress there is no locking.
    pure subroutine material_choose_formulation(self, formulation)
@@ -241,7 +273,7 @@ contains
    elemental logical function material_locks(self) result(locks)
       class(material_t), intent(in) :: self !! the material
 
-      locks = self%poisson(1) >= nearly_incompressible .and. .not. (self%is_plane_stress .or. self%shear > 0.0_dp)
+      locks = self%poisson(1) >= nearly_incompressible .and. .not. (self%is_plane_stress .or. self%shear(1) > 0.0_dp)
    end function material_locks
 
    !> Assigns a material to every element of a mesh: that of its region, or the one without a region.
@@ -250,7 +282,8 @@ contains
       type(material_t), intent(in) :: list(:) !! the materials
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(error_t), allocatable, intent(out) :: error
-         !! no such region, two materials for an element or none, different hypotheses, or a negative radius
+         !! no such region, two materials for an element or none, different hypotheses or others than the mesh has, or a
+         !! negative radius
       integer, allocatable :: elements(:)
       integer :: i, node, rest
 
@@ -258,7 +291,12 @@ contains
       materials%list = list
       allocate (materials%of_element(mesh%n_elements), source=0)
       do i = 1, size(list)
-         if (list(i)%hypothesis /= list(1)%hypothesis) then
+         call settle_hypothesis(materials%list(i), size(mesh%coordinates, 1), error)
+         if (allocated(error)) error%message = list(i)%origin//error%message
+         if (allocated(error)) return
+      end do
+      do i = 1, size(list)
+         if (materials%list(i)%hypothesis /= materials%list(1)%hypothesis) then
             call new_error(error, input_refused, list(i)%origin// &
                'all materials of a body must have the same hypothesis')
          else if (list(i)%is_twisted .neqv. list(1)%is_twisted) then
@@ -289,12 +327,30 @@ contains
          return
       end if
       where (materials%of_element == 0) materials%of_element = rest
-      if (.not. any(list%is_axisymmetric)) return
+      if (.not. any(materials%list%is_axisymmetric)) return
       node = minloc(mesh%coordinates(1, :), dim=1)
       if (mesh%coordinates(1, node) < -missed_axis*maxval(abs(mesh%coordinates(1, :)))) call new_error(error, &
          input_refused, 'node '//to_text(node)//' has the negative radius '//to_text(mesh%coordinates(1, node))// &
          "; under 'axisymmetric' x is the radius")
    end subroutine new_materials
+
+   !> Chooses the hypothesis of a material that has none by the mesh, derives its law, checks that the mesh suits it.
+   pure subroutine settle_hypothesis(material, n_dim, error)
+      type(material_t), intent(inout) :: material !! the material
+      integer, intent(in) :: n_dim !! number of coordinates of the mesh
+      type(error_t), allocatable, intent(out) :: error !! the mesh does not suit it, or as of `derive`
+
+      if (material%hypothesis == '' .and. n_dim == 3) material%hypothesis = no_hypothesis
+      if (material%hypothesis == '') material%hypothesis = hypothesis_names(1)
+      call material%derive(error)
+      if (allocated(error)) return
+      if (material%is_solid .neqv. n_dim == 3) then
+         call new_error(error, input_refused, 'the mesh has '//to_text(n_dim)// &
+            " coordinates and does not suit hypothesis '"//trim(material%hypothesis)//"'")
+      else if (material%is_solid .and. abs(material%thickness - 1.0_dp) > 0.0_dp) then
+         call new_error(error, input_refused, 'thickness is only for plane bodies')
+      end if
+   end subroutine settle_hypothesis
 
    !> Whether the body may twist about its axis of revolution: displacements then have a component around it.
    pure logical function materials_is_twisted(self) result(is_twisted)
@@ -303,7 +359,7 @@ contains
       is_twisted = self%list(1)%is_twisted
    end function materials_is_twisted
 
-   !> Number of displacement components: x and y, and in a twisted body the one around the axis.
+   !> Number of displacement components: x and y, and z in a solid or in a twisted body the one around the axis.
    pure integer function materials_n_components(self) result(n_components)
       class(materials_t), intent(in) :: self !! the materials
 
@@ -328,11 +384,15 @@ contains
       real(dp) :: stress(n_strains)
       integer :: i
 
+      if (self%is_solid) then
+         stress = matmul(self%law, strain)
+         return
+      end if
       do i = 1, 4
          stress(i) = self%law(i, 1)*strain(1) + self%law(i, 2)*strain(2) + self%law(i, 3)*strain(3) &
             + self%law(i, 4)*strain(4)
       end do
-      ! No material couples these shears with anything.
+      ! No material of a body of revolution couples these shears with anything.
       stress(5) = self%law(5, 5)*strain(5)
       stress(6) = self%law(6, 6)*strain(6)
    end function material_stress
@@ -348,22 +408,26 @@ contains
    pure function material_expansion_form(self) result(form)
       class(material_t), intent(in) :: self !! the material
       real(dp) :: form(n_strains)
-      real(dp) :: along(3), c, s
+      real(dp) :: along(3)
+      integer :: i
 
       along = 1.0_dp
       if (abs(self%largest_expansion()) > 0.0_dp) along = self%expansion/self%largest_expansion()
-      c = cos(self%angle*degree)
-      s = sin(self%angle*degree)
-      form = [along(1)*c**2 + along(2)*s**2, along(1)*s**2 + along(2)*c**2, merge(0.0_dp, along(3), &
-         self%is_plane_stress), 2.0_dp*c*s*(along(1) - along(2)), 0.0_dp, 0.0_dp]
+      associate (axes => self%axes)
+         form(:3) = [(sum(along*axes(i, :)**2), i=1, 3)]
+         form(4:) = 2.0_dp*[(sum(along*axes(i, :)*axes(modulo(i, 3) + 1, :)), i=1, 3)]
+      end associate
+      if (self%is_plane_stress) form(3) = 0.0_dp
    end function material_expansion_form
 
    !> Stress times its strain, which is twice the strain energy density [F/L^2].
    pure real(dp) function material_squared_norm(self, stress) result(product)
       class(material_t), intent(in) :: self !! the material
-      real(dp), intent(in) :: stress(n_strains) !! the stress; zz counts in a body of revolution alone [F/L^2]
+      real(dp), intent(in) :: stress(n_strains) !! the stress; zz counts in solids and bodies of revolution [F/L^2]
 
-      if (self%is_axisymmetric) then
+      if (self%is_solid) then
+         product = dot_product(stress, matmul(self%compliance, stress))
+      else if (self%is_axisymmetric) then
          product = dot_product(stress(:4), matmul(self%compliance(:4, :4), stress(:4))) &
             + self%compliance(5, 5)*stress(5)**2 + self%compliance(6, 6)*stress(6)**2
       else
@@ -386,7 +450,7 @@ contains
    !> Factor from areas of the plane to volumes: the thickness, or the circumference at a radius [L].
    elemental real(dp) function material_depth(self, x) result(depth)
       class(material_t), intent(in) :: self !! the material
-      real(dp), intent(in) :: x !! the radius; without effect on a plane body [L]
+      real(dp), intent(in) :: x !! the radius; without effect but in a body of revolution [L]
       real(dp), parameter :: pi = acos(-1.0_dp)
 
       depth = merge(2.0_dp*pi*x, self%thickness, self%is_axisymmetric)

@@ -169,9 +169,9 @@ contains
                associate (side => self%side(self%place%find(side_number(set%element(k), set%side(k)))))
                   do point = 1, 3
                      associate (x => side%position(:, point))
-                        side%traction(:, point) = side%traction(:, point) + share*(load%traction &
-                           + matmul(load%traction_slope, x) &
-                           - (load%pressure + dot_product(load%pressure_slope, x))*side%normal(:, point))
+                        side%traction(:, point) = side%traction(:, point) + share*(load%traction(:2) &
+                           + matmul(load%traction_slope(:2, :2), x) &
+                           - (load%pressure + dot_product(load%pressure_slope(:2), x))*side%normal(:, point))
                      end associate
                   end do
                end associate

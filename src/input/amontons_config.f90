@@ -13,7 +13,7 @@ module amontons_config
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_deck, only: apply_settings, read_deck, read_deck_text, read_settings, setting_t
    use amontons_deck_contents, only: suggestion
-   use amontons_deck_visitor, only: deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, key_t
+   use amontons_deck_visitor, only: body_words, deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, key_t
    use amontons_error, only: error_t, fault_list_t, input_refused, new_error
    use amontons_file_model, only: file_model_t, use_loads, use_materials, use_names, use_supports
    use amontons_history, only: describe_history, history_group, history_t, steps_group
@@ -27,7 +27,7 @@ module amontons_config
    use amontons_new_cholesky, only: factorization_names
    use amontons_sweep, only: describe_sweep, sweep_group, sweep_t
    use amontons_system, only: absolute_path
-   use amontons_text, only: lower_case, quoted
+   use amontons_text, only: lower_case, quoted, to_text
    implicit none (type, external)
    private
 
@@ -54,6 +54,9 @@ module amontons_config
    type, extends(case_label_t) :: config_t
       type(reduced_source_t) :: reduced !! the reduced problem that there is instead of a body, if one is given
       type(mesh_part_t), allocatable :: meshes(:) !! the parts of its mesh, a body each
+      integer :: n_dim = 0 !! number of dimensions that the keys of the deck state; 0 where none does
+      character(:), allocatable :: dimension_key !! the key that states it first: 'traction of 3 numbers'
+      integer :: dimension_line = 0 !! its line
       integer :: n_used(size(use_names)) = 0
          !! numbers of materials, supports and loads that come from it; they are the first ones
       type(material_t), allocatable :: materials(:) !! its materials
@@ -128,6 +131,9 @@ contains
       if (present(settings)) call apply_settings(reader%deck, settings)
       call reader%deck%refuse_unknown_groups(groups%name, other_names, pack(groups%name, groups%is_repeatable))
       call describe_config(reader, config)
+      config%n_dim = reader%n_dim
+      config%dimension_line = reader%dimension_line
+      call move_alloc(reader%dimension_key, config%dimension_key)
       call reader%deck%finish(error)
    end subroutine read_groups
 
@@ -178,6 +184,7 @@ contains
       allocate (config%meshes(1), config%materials(1), config%supports(1), config%loads(1), config%contacts(1), &
          config%rigid_sets(1), config%preloads(1), config%ties(1), config%sweep%axes(1), config%history%steps(1))
       config%history%is_given = .true.
+      config%n_dim = 2
       call describe_config(documenter, config)
       text = documenter%written
       if (len(text) == 0) call new_error(error, input_refused, 'unknown group &'//documenter%wanted// &
@@ -191,6 +198,7 @@ contains
       integer :: group, i
       logical :: has(3)
 
+      visitor%n_dim = config%n_dim
       call describe_case(visitor, config)
       call describe_problem(visitor, config%reduced)
       if (config%reduced%is_given) then
@@ -349,7 +357,7 @@ contains
       end associate
    end subroutine describe_solver
 
-   !> Refuses names that the mesh does not have, all of them in one error.
+   !> Refuses names that the mesh does not have, and keys of a plane body for a solid or the reverse, all in one error.
    subroutine check_names(config, mesh, error)
       type(config_t), intent(in) :: config !! the case
       type(mesh_t), intent(in) :: mesh !! its mesh
@@ -357,6 +365,10 @@ contains
       type(fault_list_t) :: faults
       integer :: i
 
+      if (config%n_dim > 0 .and. config%n_dim /= size(mesh%coordinates, 1)) then
+         call faults%add(0, config%file//':'//to_text(config%dimension_line)//': '//config%dimension_key// &
+            body_words(config%n_dim)//', but the mesh has '//to_text(size(mesh%coordinates, 1))//' coordinates')
+      end if
       do i = 1, size(config%materials)
          call check_name(.true., config%materials(i)%origin, config%materials(i)%region)
       end do

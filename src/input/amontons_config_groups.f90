@@ -17,7 +17,7 @@ module amontons_config_groups
    use amontons_mesh_file, only: mesh_part_t
    use amontons_obstacle, only: obstacle_dimensions, obstacle_names
    use amontons_sweep, only: key_result_names, sweep_t
-   use amontons_text, only: to_text
+   use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
 
@@ -300,7 +300,7 @@ contains
          ' quadrilaterals'), part%rectangle%diagonal, diagonal_names, is_written)
       call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
          ' between follow a geometric series', above=0.0_dp, also='bias ratio'), part%rectangle%grading, is_written)
-      call visitor%reals(key_t('origin', 'where the lower left corner of the rectangle, or the origin of the file,'// &
+      call visitor%vector(key_t('origin', 'where the lower left corner of the rectangle, or the origin of the file,'// &
          ' is put', 'L', also='position offset translate'), part%origin)
       call visitor%whole(key_t('refine', 'how often every element is cut in four, curved sides along their curve;'// &
          ' sets and regions follow', at_least=0.0_dp, also='refinement refinements'), part%n_refinements)
@@ -311,6 +311,7 @@ contains
       call visitor%only('step', any(part%is_used([use_supports, use_loads])), "use = 'supports' or 'loads'")
       call visitor%only('use', .not. visitor%has('name'), 'a mesh without a name')
       call visitor%only('size cells element diagonal grading', is_rectangle, "kind = 'rectangle'")
+      call visitor%state_dimensions(2, 'size')
       call visitor%require(visitor%has('file') .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
    end subroutine describe_mesh
 
@@ -318,15 +319,19 @@ contains
    subroutine describe_material(visitor, material)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(material_t), intent(inout) :: material !! the material
-      type(error_t), allocatable :: error
-      real(dp), allocatable :: young(:), poisson(:), expansion(:)
-      logical :: is_orthotropic, is_known
+      real(dp), allocatable :: young(:), poisson(:), shear(:), expansion(:)
+      logical :: is_orthotropic, is_known, has_axis(2), has_thickness, has_hypothesis
+      character(len(hypothesis_names)) :: hypothesis
 
-      is_orthotropic = material%shear > 0.0_dp
+      is_orthotropic = material%shear(1) > 0.0_dp
       is_known = all(material%young > 0.0_dp)
       young = material%young(:merge(3, 1, is_orthotropic))
       poisson = material%poisson(:merge(3, 1, is_orthotropic))
+      shear = material%shear(:merge(merge(3, 1, visitor%n_dim == 3), 0, is_orthotropic))
       expansion = material%expansion(:merge(3, 1, is_orthotropic))
+      has_axis = is_orthotropic .and. visitor%n_dim == 3
+      has_thickness = visitor%n_dim == 2
+      has_hypothesis = visitor%n_dim == 2 .or. material%hypothesis /= ''
       call visitor%open_group(material_group)
       call visitor%list(key_t('young', "Young's modulus; of an orthotropic material `E1, E2, E3` along its axes,"// &
          ' the third of which is that of z, or of the circumference', 'F/L²', above=0.0_dp, is_required=.true., &
@@ -335,14 +340,21 @@ contains
          ' how much axis 2 contracts when axis 1 is pulled', above=-1.0_dp, &
          below=merge(huge(0.5_dp), 0.5_dp, size(young) > 1), is_required=.true., also='nu poissons_ratio'), poisson, &
          is_known)
-      call visitor%real(key_t('shear', 'with three numbers in `young`: shear modulus G12 in the plane', 'F/L²', &
-         above=0.0_dp, default='isotropic', also='g g12 shear_modulus'), material%shear)
-      call visitor%real(key_t('angle', 'with `shear`: angle of axis 1 to the x axis, counterclockwise', '°', &
-         also='orientation'), material%angle, is_orthotropic)
+      call visitor%list(key_t('shear', 'with three numbers in `young`: shear modulus G12 in the plane, in a solid'// &
+         ' `G12, G13, G23`', 'F/L²', above=0.0_dp, default='isotropic', also='g g12 shear_modulus'), shear, &
+         is_orthotropic)
+      call visitor%reals(key_t('axis1', 'with `shear`, in a solid: direction of axis 1', default='that of x', &
+         is_nonzero=.true., also='a'), material%axis1, has_axis(1))
+      call visitor%reals(key_t('axis2', 'likewise a direction in the plane of axes 1 and 2', &
+         default='that of y', is_nonzero=.true., also='b'), material%axis2, has_axis(2))
+      call visitor%real(key_t('angle', 'with `shear`: angle of axis 1 to the x axis, counterclockwise; in a solid'// &
+         ' by which axes 1 and 2 are turned about axis 3', '°', also='orientation'), material%angle, is_orthotropic)
       call visitor%real(key_t('thickness', 'thickness of a plane body; it multiplies stiffness and loads, so that'// &
-         ' forces are in [F]', 'L', above=0.0_dp, also='t depth'), material%thickness)
-      call visitor%word(key_t('hypothesis', 'how the body is reduced to the plane; the same for all materials', &
-         also='type plane model state plane_stress plane_strain'), material%hypothesis, hypothesis_names)
+         ' forces are in [F]', 'L', above=0.0_dp, also='t depth'), material%thickness, has_thickness)
+      hypothesis = material%hypothesis
+      call visitor%word(key_t('hypothesis', 'how a plane mesh represents the body; the same for all materials', &
+         also='type plane model state plane_stress plane_strain'), hypothesis, hypothesis_names, has_hypothesis)
+      if (has_hypothesis) material%hypothesis = hypothesis
       call visitor%flag(key_t('twist', &
          "with `hypothesis = 'axisymmetric'`: whether the body may twist about its axis; the"// &
          ' same for all materials', default='`.false.`', also='torsion'), material%is_twisted)
@@ -361,27 +373,48 @@ contains
       call visitor%locate('region', material%origin)
       call visitor%require(material%formulation /= 'b-bar' .or. material%hypothesis /= 'plane stress', 'formulation', &
          "formulation must not be 'b-bar' in plane stress, where nothing locks")
-      if (.not. visitor%is_judging()) return
+      if (visitor%is_judging()) call judge_material(visitor, material, young, poisson, shear, expansion)
+   end subroutine describe_material
+
+   !> Judges the constants of a material together, and derives its law.
+   subroutine judge_material(visitor, material, young, poisson, shear, expansion)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(material_t), intent(inout) :: material !! the material; gains the constants
+      real(dp), intent(in) :: young(:) !! the numbers given for Young's modulus, and so on
+      real(dp), intent(in) :: poisson(:) !! Poisson's ratio
+      real(dp), intent(in) :: shear(:) !! shear modulus; none for an isotropic material
+      real(dp), intent(in) :: expansion(:) !! coefficient of thermal expansion
+      type(error_t), allocatable :: error
+      logical :: is_orthotropic
+
       is_orthotropic = size(young) == 3
-      call visitor%only('shear angle', is_orthotropic, 'three numbers in young')
+      call visitor%state_dimensions(2, 'thickness hypothesis')
+      call visitor%state_dimensions(3, 'axis1 axis2')
+      if (is_orthotropic .and. any(size(shear) == [1, 3])) call visitor%state_dimensions( &
+         merge(2, 3, size(shear) == 1), 'shear', ' of '//counted(size(shear), 'number'))
+      call visitor%only('shear axis1 axis2 angle', is_orthotropic, 'three numbers in young')
       call visitor%require(size(young) == 1 .or. is_orthotropic, 'young', &
          'young: expected 1 number or 3, found '//to_text(size(young)))
       call visitor%require(size(poisson) == size(young), 'poisson', 'poisson must have as many numbers as young')
       call visitor%require(size(expansion) == 1 .or. size(expansion) == size(young), 'expansion', &
          'expansion must be one number, or as many as young has')
-      call visitor%require(visitor%has('shear') .or. .not. is_orthotropic, 'young', 'three numbers in young need shear')
+      call visitor%require(visitor%has('shear') .or. .not. is_orthotropic, 'young', &
+         'three numbers in young need shear')
+      call visitor%require(any(size(shear) == [0, 1, 3]), 'shear', &
+         'shear: expected 1 number or 3, found '//to_text(size(shear)))
       call visitor%require(material%formulation /= 'b-bar' .or. .not. is_orthotropic, 'formulation', &
          "formulation must not be 'b-bar' with an orthotropic material")
       if (.not. ((size(young) == 1 .or. is_orthotropic) .and. size(poisson) == size(young) &
-         .and. any(size(expansion) == [1, size(young)]) .and. (is_orthotropic .eqv. material%shear > 0.0_dp) &
-         .and. all(young > 0.0_dp) .and. all(poisson > -1.0_dp))) return
+         .and. any(size(expansion) == [1, size(young)]) .and. size(shear) <= 3 .and. (is_orthotropic .eqv. &
+         size(shear) > 0) .and. all(young > 0.0_dp) .and. all(poisson > -1.0_dp) .and. all(shear > 0.0_dp))) return
       material%young = reshape(young, [3], young)
       material%poisson = reshape(poisson, [3], poisson)
+      if (is_orthotropic) material%shear = reshape(shear, [3], shear)
       material%expansion = reshape(expansion, [3], expansion)
       call material%derive(error)
-      if (allocated(error)) call visitor%require(.false., trim(merge('twist', 'young', material%is_twisted)), &
-         error%message)
-   end subroutine describe_material
+      if (allocated(error)) call visitor%require(.false., merge('twist', merge('axis1', 'young', &
+         visitor%has('axis1')), material%is_twisted), error%message)
+   end subroutine judge_material
 
    !> Describes one `&support`.
    subroutine describe_support(visitor, support)
@@ -399,7 +432,7 @@ contains
          default='that of its set', is_filled=.true., also='label'), support%name)
       call visitor%text(key_t('set', 'the nodes of a boundary set; this or `point` is required', is_filled=.true., &
          also='nset boundary'), support%set)
-      call visitor%reals(key_t('point', 'the node at these coordinates', 'L', also='node'), support%point, has_point)
+      call visitor%vector(key_t('point', 'the node at these coordinates', 'L', also='node'), support%point, has_point)
       do k = 1, size(supported_components)
          call visitor%real(key_t(supported_components(k), component_meanings(k), component_units(k), default='free', &
             also=component_words(k), is_free=.true.), support%displacement(k), support%is_held(k))
@@ -434,7 +467,7 @@ contains
       integer :: k
 
       has_force = any(abs(drive%force) > 0.0_dp)
-      has_moment = abs(drive%moment) > 0.0_dp
+      has_moment = any(abs(drive%moment) > 0.0_dp)
       call visitor%open_group(rigid_group)
       call visitor%text(key_t('name', 'of the rigid body: `&steps` know its motion as a support, force and'// &
          ' moment as a load, along with others of the name; results have it', is_filled=.true., is_required=.true., &
@@ -442,24 +475,24 @@ contains
       call visitor%text(key_t('set', 'the boundary or node set that moves as a rigid body; several are separated by'// &
          " commas: `'left, right'`", is_filled=.true., is_required=.true., also='nset surface', &
          hint="several sets: 'A, B'"), motion%set)
-      call visitor%reals(key_t('point', 'what `ux`, `uy` and `moment` are counted about', 'L', &
+      call visitor%vector(key_t('point', 'what `ux`, `uy` and `moment` are counted about', 'L', &
          default='the middle of its extents along x and y', also='center node reference'), motion%rigid%point, &
          motion%rigid%has_point)
       do k = 1, size(rigid_components)
          call visitor%real(key_t(rigid_components(k), meanings(k), units(k), default='free', is_free=.true., &
             also=others(k)), motion%displacement(k), motion%is_held(k))
       end do
-      call visitor%reals(key_t('force', 'force on the point along x and y', 'F', default='none', &
+      call visitor%vector(key_t('force', 'force on the point', 'F', default='none', &
          also='f fx fy'), drive%force, has_force)
       call visitor%real(key_t('moment', 'moment about the point, counterclockwise; with `twist` about the axis', &
-         'F L', default='none', also='m torque'), drive%moment, has_moment)
+         'F L', default='none', also='m torque'), drive%moment(3), has_moment)
       call describe_lock(visitor, motion)
       call visitor%close_group()
       call visitor%locate('set', motion%origin)
       motion%rigid%is_given = .true.
       if (.not. visitor%is_judging()) return
       call check_driven(visitor, motion, all(motion%is_held(:3) .or. .not. has))
-      is_driven = abs([drive%force, drive%moment]) > 0.0_dp
+      is_driven = abs([drive%force(:2), drive%moment(3)]) > 0.0_dp
       do k = 1, size(rigid_components)
          call visitor%require(.not. (motion%is_held(k) .and. is_driven(k)), trim(forced(k)), &
             trim(rigid_components(k))//' is prescribed: nothing is left for '//trim(forced(k))//' to move')
@@ -558,8 +591,7 @@ contains
    subroutine describe_load(visitor, load)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(load_t), intent(inout) :: load !! the load
-      logical :: has_point, on_nodes, is_given(4), has(4), has_total, has_twist(2)
-      real(dp) :: slopes(4)
+      logical :: has_point, on_nodes, is_given(4)
       logical :: has_force, has_gravity, has_speed, has_center
       integer :: material
 
@@ -570,36 +602,12 @@ contains
          default='none', is_filled=.true., also='label'), load%name)
       call visitor%text(key_t('set', 'the boundary set of a traction, pressure or total force; the node set or '// &
          'boundary set of point forces', is_filled=.true., also='nset surface'), load%set)
-      call visitor%reals(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &
+      call visitor%vector(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &
          has_point)
       call visitor%text(key_t('region', 'the region of a body force or temperature', default='the whole body', &
          also='elset'), load%region)
-      ! Describes the keys of a load on sides.
-      has_total = any(abs(load%total_force) > 0.0_dp)
-      has_twist = abs([load%traction_theta, load%torque]) > 0.0_dp
-      slopes = reshape(load%traction_slope, [4])
-      has = load%target == load_on_sides .and. (.not. any([has_total, has_twist]) .or. &
-         any(abs([load%traction, slopes, load%pressure, load%pressure_slope]) > 0.0_dp))
-      call visitor%reals(key_t('traction', 'force per area along x and y, at the origin of the coordinates', 'F/L²', &
-         also='t trac stress shear'), load%traction, has(1))
-      call visitor%reals(key_t('traction_slope', 'its change: of the x component along x, of the y component along'// &
-         ' x, of the x component along y, of the y component along y', 'F/L³'), slopes, has(2))
-      call visitor%real(key_t('pressure', 'force per area against the outward normal, at the origin: a positive one'// &
-         ' presses on the body', 'F/L²', also='p press'), load%pressure, has(3))
-      call visitor%reals(key_t('pressure_slope', 'its change along x and y', 'F/L³'), load%pressure_slope, has(4))
-      call visitor%reals(key_t('total_force', 'the resultant of a uniform traction on `set`, in all: over the '// &
-         'thickness, or all around an axis of revolution', 'F', also='resultant total sum'), load%total_force, &
-         has_total)
-      load%traction_slope = reshape(slopes, [2, 2])
-      call visitor%real(key_t('traction_theta', 'with `twist` in `&material`: force per area around the axis', &
-         'F/L²', default='`0.0`'), load%traction_theta, has_twist(1))
-      call visitor%real(key_t('torque', 'with `twist` in `&material`: moment about the axis of a traction on `set`'// &
-         ' in proportion to the radius, in all', 'F L', default='`0.0`', also='moment mt mz'), load%torque, &
-         has_twist(2))
-      is_given(load_on_sides) = any([has, has_total, has_twist])
-      call visitor%require(.not. (any(has) .and. has_total), 'total_force', &
-         'give either total_force, or traction and pressure')
-      call visitor%reals(key_t('force', 'a force on the node at `point`, or on each node of `set`, which'// &
+      call describe_side_load(visitor, load, is_given(load_on_sides))
+      call visitor%vector(key_t('force', 'a force on the node at `point`, or on each node of `set`, which'// &
          ' adds up: see `total_force`', 'F', also='f fx fy cload'), load%force, on_nodes)
       is_given(load_on_nodes) = on_nodes
       ! Describes the keys of forces per volume.
@@ -608,16 +616,16 @@ contains
       has_force = load%target == load_on_region .and. (any(abs(load%body_force) > 0.0_dp) .or. &
          .not. (has_gravity .or. has_speed))
       has_center = has_speed .and. any(abs(load%center) > 0.0_dp)
-      call visitor%reals(key_t('body_force', 'force per volume, on `region` or on the whole body', 'F/L³', &
+      call visitor%vector(key_t('body_force', 'force per volume, on `region` or on the whole body', 'F/L³', &
          also='weight'), load%body_force, has_force)
-      call visitor%reals(key_t('gravity', 'acceleration along x and y that gives the `density` its weight', 'L/T²', &
+      call visitor%vector(key_t('gravity', 'acceleration along x, y, z that gives the `density` its weight', 'L/T²', &
          also='g acceleration grav'), load%gravity, has_gravity)
       call visitor%real(key_t('angular_speed', 'of a rotation, in radians per time: the centrifugal force on the'// &
          ' `density`', '1/T', default='none', also='omega spin centrif speed'), load%angular_speed, has_speed)
-      call visitor%reals(key_t('center', 'a point of the axis of rotation; for a plane body only', 'L', &
+      call visitor%vector(key_t('center', 'a point of the axis of rotation; not for a body of revolution', 'L', &
          default='the origin', also='origin'), load%center, has_center)
-      call visitor%reals(key_t('axis', 'direction of the axis of rotation where it lies in the plane; for a plane'// &
-         ' body only', default='normal to the plane', is_nonzero=.true.), load%axis)
+      call visitor%vector(key_t('axis', 'direction of the axis of rotation, of any length; a solid needs it; not'// &
+         ' for a body of revolution', default='normal to the plane', is_nonzero=.true.), load%axis)
       is_given(load_on_region) = has_force .or. has_gravity .or. has_speed
       call describe_temperature(visitor, load, is_given(load_by_temperature))
       call visitor%close_group()
@@ -625,15 +633,21 @@ contains
       call visitor%locate('set', load%origin)
       ! Judges the keys of a `&load` together.
       if (.not. visitor%is_judging()) return
-      call visitor%require(any(is_given), '', '&load needs traction, pressure, total_force, traction_theta, '// &
-         'torque, force, body_force, gravity, angular_speed or temperature')
+      call visitor%require(any(is_given), '', '&load needs traction, pressure, total_force, total_moment, '// &
+         'traction_theta, torque, force, body_force, gravity, angular_speed or temperature')
       call visitor%require(count(is_given) <= 1, '', &
-         'tractions, pressure, total_force and torque, force, body forces, and temperature need a &load for each')
+         'tractions, pressure, total_force, total_moment and torque, force, body forces, and temperature need a '// &
+         '&load for each')
       if (count(is_given) /= 1) return
       call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure, total_force, torque or force')
       call visitor%only('point', load%target == load_on_nodes, 'force')
       call visitor%only('region', load%target >= load_on_region, 'body_force, gravity, angular_speed or temperature')
       call visitor%only('center axis', visitor%has('angular_speed'), 'angular_speed')
+      call visitor%only('about', visitor%has('total_moment'), 'total_moment')
+      call visitor%state_dimensions(2, 'traction_theta torque')
+      call visitor%state_dimensions(3, 'total_moment')
+      call visitor%require(visitor%n_dim < 3 .or. visitor%has('axis') .or. .not. has_speed, 'angular_speed', &
+         'angular_speed of a solid needs the axis of its rotation')
       call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', &
          'traction, pressure, total_force and torque need set')
       call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
@@ -646,6 +660,47 @@ contains
             'temperature needs the expansion of every &material; 0 for one that does not expand')
       end do
    end subroutine describe_load
+
+   !> Describes the keys of a load on sides.
+   subroutine describe_side_load(visitor, load, is_given)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(load_t), intent(inout) :: load !! the load
+      logical, intent(out) :: is_given !! whether it has any of them
+      logical :: has(4), has_total, has_moment, has_twist(2)
+      real(dp) :: slopes(size(load%traction_slope))
+
+      has_total = any(abs(load%total_force) > 0.0_dp)
+      has_moment = any(abs(load%total_moment) > 0.0_dp)
+      has_twist = abs([load%traction_theta, load%torque]) > 0.0_dp
+      slopes = reshape(load%traction_slope, shape(slopes))
+      has = load%target == load_on_sides .and. (.not. any([has_total, has_moment, has_twist]) .or. &
+         any(abs([load%traction, slopes, load%pressure, load%pressure_slope]) > 0.0_dp))
+      call visitor%vector(key_t('traction', 'force per area along x, y and, in a solid, z, at the origin of the'// &
+         ' coordinates', 'F/L²', also='t trac stress shear'), load%traction, has(1))
+      call visitor%vector(key_t('traction_slope', 'its change: of each component along x, then of each along y, and'// &
+         ' in a solid of each along z', 'F/L³'), slopes, has(2))
+      call visitor%real(key_t('pressure', 'force per area against the outward normal, at the origin: a positive one'// &
+         ' presses on the body', 'F/L²', also='p press'), load%pressure, has(3))
+      call visitor%vector(key_t('pressure_slope', 'its change along x, y and z', 'F/L³'), load%pressure_slope, has(4))
+      call visitor%vector(key_t('total_force', 'the resultant of a uniform traction on `set`, in all: over the '// &
+         'thickness, or all around an axis of revolution', 'F', also='resultant total sum'), load%total_force, &
+         has_total)
+      load%traction_slope = reshape(slopes, shape(load%traction_slope))
+      call visitor%reals(key_t('total_moment', 'in a solid: the moment of a traction on `set`, with that of'// &
+         ' `total_force`; the traction is linear', 'F L', default='none', also='mx my mz'), load%total_moment, &
+         has_moment)
+      call visitor%reals(key_t('about', 'the point that `total_moment` is counted about, and that `total_force`'// &
+         ' then goes through', 'L', default='the centroid of `set`'), load%about, load%has_about)
+      call visitor%real(key_t('traction_theta', 'with `twist` in `&material`: force per area around the axis', &
+         'F/L²', default='`0.0`'), load%traction_theta, has_twist(1))
+      call visitor%real(key_t('torque', 'with `twist` in `&material`: moment about the axis of a traction on `set`'// &
+         ' in proportion to the radius, in all', 'F L', default='`0.0`', also='moment mt mz'), load%torque, &
+         has_twist(2))
+      is_given = any([has, has_total, has_moment, has_twist])
+      call visitor%require(.not. (any(has) .and. (has_total .or. has_moment)), &
+         trim(merge('total_force ', 'total_moment', has_total)), &
+         'give either '//trim(merge('total_force ', 'total_moment', has_total))//', or traction and pressure')
+   end subroutine describe_side_load
 
    !> Describes the keys of a temperature.
    subroutine describe_temperature(visitor, load, is_given)
@@ -660,7 +715,7 @@ contains
       has_slope = any(abs(load%temperature_slope) > 0.0_dp)
       call visitor%real(key_t('temperature', 'above that at which nothing is strained, at the origin; on `region`'// &
          ' or on the whole body', 'K', also='temp dtemp'), load%temperature, has_value)
-      call visitor%reals(key_t('temperature_slope', 'its change along x and y', 'K/L'), load%temperature_slope, &
+      call visitor%vector(key_t('temperature_slope', 'its change along x, y and z', 'K/L'), load%temperature_slope, &
          has_slope)
       call visitor%text(key_t(table_key, 'file with the numbers of nodes, as in the mesh file, and their'// &
          ' temperatures, instead', is_file=.true., is_filled=.true.), load%temperature_file, has_table)

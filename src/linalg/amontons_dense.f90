@@ -11,7 +11,7 @@ module amontons_dense
 
    public :: add_product, allocate_matrix, cholesky_factor, cholesky_factor_regularized, &
       cholesky_factor_tiled, cholesky_inverse, cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, &
-      squares, symmetric_eigenvectors, symmetric_multiply, transposed_product, triangular_solve
+      squares, symmetric_eigenvectors, symmetric_multiply, transposed_product, triangular_solve, vector_product
 
    !> Solves L L^T x = b in place, for one right-hand side or for the columns of a matrix.
    interface cholesky_solve
@@ -19,6 +19,15 @@ module amontons_dense
    end interface cholesky_solve
 
 contains
+
+   !> The vector product in space.
+   pure function vector_product(a, b) result(product)
+      real(dp), intent(in) :: a(3) !! the first vector
+      real(dp), intent(in) :: b(3) !! the second one
+      real(dp) :: product(3)
+
+      product = cshift(a, 1)*cshift(b, 2) - cshift(a, 2)*cshift(b, 1)
+   end function vector_product
 
    !> Allocates a large matrix, with undefined entries.
    pure subroutine allocate_matrix(matrix, n_rows, n_columns, owner, error)

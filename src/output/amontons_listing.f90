@@ -28,7 +28,7 @@ module amontons_listing
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, &
       phase_recover, phase_solve, timings_t
    use amontons_text, only: append_text, as_lines, comma_separated, counted, flush_right, heading, labeled, line_end, &
-      newline, pair_text, scientific, short_text, to_text, unit_of, with_unit
+      newline, vector_text, scientific, short_text, to_text, unit_of, with_unit
    use amontons_uniqueness, only: all_solutions_t, uniqueness_t
    use amontons_version, only: version
    implicit none (type, external)
@@ -154,7 +154,8 @@ contains
          if (load_case%supports(i)%is_driven()) then
             text = text//labeled('Support', motion_text(body, load_case, i, force, units))
          else
-            text = text//labeled('Support', support_text(load_case%supports(i), units))
+            text = text//labeled('Support', support_text(load_case%supports(i), &
+               size(body%mesh%coordinates, 1), units))
          end if
       end do
       do i = 1, size(load_case%contacts)
@@ -194,7 +195,7 @@ contains
 
       integer :: i, n
 
-      n = merge(3, 1, material%shear > 0.0_dp)
+      n = merge(3, 1, material%shear(1) > 0.0_dp)
       text = trim(material%hypothesis)
       if (material%is_twisted) text = text//' with twist'
       do i = 1, n
@@ -203,9 +204,13 @@ contains
       do i = 1, n
          text = text//', Poisson '//short_text(material%poisson(i))
       end do
-      if (n > 1) text = text//', shear '//with_unit(short_text(material%shear), units, 'F/L^2')//', angle '// &
-         short_text(material%angle)
-      if (.not. material%is_axisymmetric) text = text//', thickness '// &
+      do i = 1, merge(merge(3, 1, material%is_solid), 0, n > 1)
+         text = text//', shear '//with_unit(short_text(material%shear(i)), units, 'F/L^2')
+      end do
+      if (material%is_solid .and. n > 1) text = text//', axis 1 '//vector_text(material%axes(:, 1))//', axis 2 '// &
+         vector_text(material%axes(:, 2))
+      if (n > 1 .and. .not. material%is_solid) text = text//', angle '//short_text(material%angle)
+      if (.not. (material%is_axisymmetric .or. material%is_solid)) text = text//', thickness '// &
          with_unit(short_text(material%thickness), units, 'L')
       if (material%density > 0.0_dp) text = text//', density '//short_text(material%density)
       do i = 1, n
@@ -227,7 +232,8 @@ contains
 
       associate (support => load_case%supports(number))
          text = support%name//trim(merge(': preload at', ': rigid set ', support%is_jump))//" '"//support%set//"'"
-         if (support%rigid%has_point) text = text//', about '//with_unit(pair_text(support%rigid%point), units, 'L')
+         if (support%rigid%has_point) text = text//', about '// &
+            with_unit(vector_text(support%rigid%point(:size(body%mesh%coordinates, 1))), units, 'L')
          do k = 1, size(body%driven)
             associate (driven => body%driven(k))
                if (driven%support /= number) cycle
@@ -248,8 +254,9 @@ contains
    end function motion_text
 
    !> A support: its set or point, prescribed displacements, springs.
-   pure function support_text(support, units) result(text)
+   pure function support_text(support, n_dim, units) result(text)
       type(support_t), intent(in) :: support !! the support
+      integer, intent(in) :: n_dim !! number of dimensions
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       integer :: k
@@ -257,14 +264,14 @@ contains
       if (len(support%set) > 0) then
          text = "set '"//support%set//"'"
       else
-         text = 'point '//with_unit(pair_text(support%point), units, 'L')
+         text = 'point '//with_unit(vector_text(support%point(:n_dim)), units, 'L')
       end if
       do k = 1, size(supported_components)
          if (support%is_held(k)) text = text//', '//trim(supported_components(k))//' = '// &
             with_unit(short_text(support%displacement(k)), units, trim(merge('L  ', 'rad', k < 6)))
       end do
       if (any(support%spring > 0.0_dp)) text = text//', springs '// &
-         with_unit(pair_text(support%spring), units, 'F/L^3')//' along normal and tangent'
+         with_unit(vector_text(support%spring), units, 'F/L^3')//' along normal and tangent'
    end function support_text
 
    !> A contact set: its friction, its master or rigid obstacle, gaps.
@@ -282,11 +289,11 @@ contains
             if (contact%pairing%search > 0.0_dp) text = text//', search '// &
                with_unit(short_text(contact%pairing%search), units, 'L')
          else
-            text = text//', '//trim(obstacle%kind)//' at '//with_unit(pair_text(obstacle%point(:2)), units, 'L')// &
-               ' with normal '//pair_text(obstacle%normal(:2))
+            text = text//', '//trim(obstacle%kind)//' at '//with_unit(vector_text(obstacle%point(:2)), units, 'L')// &
+               ' with normal '//vector_text(obstacle%normal(:2))
             if (obstacle%has_radius()) text = text//', radius '//with_unit(short_text(obstacle%radius), units, 'L')
             if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
-            if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//pair_text(contact%direction)
+            if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//vector_text(contact%direction)
          end if
       end associate
       text = text//field_text('extra gap', contact%extra_gap, units)
@@ -317,7 +324,7 @@ contains
       if (allocated(field%table)) then
          text = ', '//name//' from '//field%file
       else if (any(abs(field%slope) > 0.0_dp)) then
-         text = ', '//name//' '//short_text(field%value)//' + '//pair_text(field%slope)//' . (x, y)'
+         text = ', '//name//' '//short_text(field%value)//' + '//vector_text(field%slope)//' . (x, y)'
       else if (abs(field%value) > 0.0_dp .or. name == 'friction') then
          text = ', '//name//' '//short_text(field%value)
          if (present(units)) text = ', '//name//' '//with_unit(short_text(field%value), units, 'L')
@@ -413,11 +420,11 @@ contains
       text = ''
       if (size(places, 2) > few) then
          text = labeled('Note', counted(size(places, 2), noun)//', the first at '// &
-            with_unit(pair_text(places(:, 1)), units, 'L')//','//plural)
+            with_unit(vector_text(places(:, 1)), units, 'L')//','//plural)
          return
       end if
       do i = 1, size(places, 2)
-         text = text//labeled('Note', 'the '//noun//' at '//with_unit(pair_text(places(:, i)), units, 'L')//singular)
+         text = text//labeled('Note', 'the '//noun//' at '//with_unit(vector_text(places(:, i)), units, 'L')//singular)
       end do
    end function places_text
 
@@ -429,7 +436,9 @@ contains
       character(:), allocatable :: text, forces
       integer, allocatable :: nodes(:)
       type(error_t), allocatable :: error
+      integer :: n_dim
 
+      n_dim = size(mesh%coordinates, 1)
       text = ''
       if (len(load%name) > 0) text = load%name//': '
       if (len(load%set) > 0) text = text//"set '"//load%set//"', "
@@ -437,42 +446,48 @@ contains
       select case (load%target)
       case (load_on_sides)
          if (any(abs(load%total_force) > 0.0_dp)) text = text//'total force '// &
-            with_unit(pair_text(load%total_force), units, 'F')//', '
-         text = text//'traction '//with_unit(pair_text(load%traction), units, 'F/L^2')// &
+            with_unit(vector_text(load%total_force(:n_dim)), units, 'F')//', '
+         if (any(abs(load%total_moment) > 0.0_dp)) text = text//'total moment '// &
+            with_unit(vector_text(load%total_moment), units, 'F L')//', '
+         text = text//'traction '//with_unit(vector_text(load%traction(:n_dim)), units, 'F/L^2')// &
             ', pressure '//with_unit(short_text(load%pressure), units, 'F/L^2')
          if (abs(load%traction_theta) > 0.0_dp) text = text//', traction around the axis '// &
             with_unit(short_text(load%traction_theta), units, 'F/L^2')
          if (abs(load%torque) > 0.0_dp) text = text//', torque '//with_unit(short_text(load%torque), units, 'F L')
          if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
-            pair_text(load%traction_slope(:, 1))//' along x, '//pair_text(load%traction_slope(:, 2))//' along y'
-         if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '//pair_text(load%pressure_slope)
+            vector_text(load%traction_slope(:n_dim, 1))//' along x, '//vector_text(load%traction_slope(:n_dim, 2))// &
+            ' along y'
+         if (n_dim == 3 .and. any(abs(load%traction_slope) > 0.0_dp)) text = text//', '// &
+            vector_text(load%traction_slope(:, 3))//' along z'
+         if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '// &
+            vector_text(load%pressure_slope(:n_dim))
       case (load_on_nodes)
-         if (len(load%set) == 0) text = text//'point '//with_unit(pair_text(load%point), units, 'L')//', '
-         text = text//'force '//with_unit(pair_text(load%force), units, 'F')
+         if (len(load%set) == 0) text = text//'point '//with_unit(vector_text(load%point(:n_dim)), units, 'L')//', '
+         text = text//'force '//with_unit(vector_text(load%force(:n_dim)), units, 'F')
          if (len(load%set) == 0) return
          call mesh%set_nodes(load%set, nodes, error)
          text = text//' on each of '//counted(size(nodes), 'node')//', '// &
-            with_unit(pair_text(size(nodes)*load%force), units, 'F')//' in all'
+            with_unit(vector_text(size(nodes)*load%force(:n_dim)), units, 'F')//' in all'
       case (load_by_temperature)
          if (allocated(load%temperature_table)) then
             text = text//'temperature from '//load%temperature_file
          else
             text = text//'temperature '//short_text(load%temperature)
-            if (any(abs(load%temperature_slope) > 0.0_dp)) text = text//' + '//pair_text(load%temperature_slope)// &
-               ' . (x, y)'
+            if (any(abs(load%temperature_slope) > 0.0_dp)) text = text//' + '// &
+               vector_text(load%temperature_slope(:n_dim))//trim(merge(' . (x, y)   ', ' . (x, y, z)', n_dim == 2))
          end if
       case default
          ! The forces of a load on the volume.
          forces = ''
          if (any(abs(load%body_force) > 0.0_dp)) forces = forces//', body force '// &
-            with_unit(pair_text(load%body_force), units, 'F/L^3')
-         if (any(abs(load%gravity) > 0.0_dp)) forces = forces//', gravity '//pair_text(load%gravity)
+            with_unit(vector_text(load%body_force(:n_dim)), units, 'F/L^3')
+         if (any(abs(load%gravity) > 0.0_dp)) forces = forces//', gravity '//vector_text(load%gravity(:n_dim))
          if (abs(load%angular_speed) > 0.0_dp) then
             forces = forces//', angular speed '//short_text(load%angular_speed)//' about '// &
-               with_unit(pair_text(load%center), units, 'L')
-            if (any(abs(load%axis) > 0.0_dp)) forces = forces//' along '//pair_text(load%axis)
+               with_unit(vector_text(load%center(:n_dim)), units, 'L')
+            if (any(abs(load%axis) > 0.0_dp)) forces = forces//' along '//vector_text(load%axis(:n_dim))
          end if
-         if (forces == '') forces = ', body force '//with_unit(pair_text(load%body_force), units, 'F/L^3')
+         if (forces == '') forces = ', body force '//with_unit(vector_text(load%body_force(:n_dim)), units, 'F/L^3')
          forces = forces(3:)
          text = text//forces
       end select
@@ -526,9 +541,9 @@ contains
             intervals_text('Stick zone', result%stuck, label%units), [max(0.0_dp, maxval(abs(body%zone%position)))])
          associate (certificate => result%certificate)
             call listing%add(heading('Resultants')// &
-               labeled('Loads', with_unit(pair_text(certificate%load), label%units, 'F'))// &
-               labeled('Support reactions', with_unit(pair_text(certificate%reaction), label%units, 'F'))// &
-               labeled('Contact forces', with_unit(pair_text(certificate%contact), label%units, 'F'))// &
+               labeled('Loads', with_unit(vector_text(certificate%load), label%units, 'F'))// &
+               labeled('Support reactions', with_unit(vector_text(certificate%reaction), label%units, 'F'))// &
+               labeled('Contact forces', with_unit(vector_text(certificate%contact), label%units, 'F'))// &
                quantities_text(resultants(solution%force, size(solution%status)), label%units), [force_scale(result)])
             call listing%add(quantities_text(certificate%energies(), label%units), [certificate%strain_energy])
          end associate
@@ -580,7 +595,8 @@ contains
 
       text = ''
       do i = 1, size(intervals)
-         text = text//labeled(label, pair_text(intervals(i)%ends(:, 1))//' to '//pair_text(intervals(i)%ends(:, 2))// &
+         text = text//labeled(label, vector_text(intervals(i)%ends(:, 1))//' to '// &
+            vector_text(intervals(i)%ends(:, 2))// &
             with_unit(', length '//short_text(intervals(i)%length), units, 'L'))
       end do
    end function intervals_text
@@ -715,7 +731,7 @@ contains
       do i = 1, size(quantities)
          associate (quantity => quantities(i))
             number = with_unit(short_text(quantity%value), units, trim(quantity%dimension))
-            if (quantity%has_place) number = number//' at '//pair_text(quantity%place)
+            if (quantity%has_place) number = number//' at '//vector_text(quantity%place)
             call append_text(text, length, labeled(quantity%label(:width), number))
          end associate
       end do

@@ -16,7 +16,7 @@ module amontons_model_warnings
    use amontons_rounding, only: exceeds, input_rounding
    use amontons_surface, only: surface_t
    use amontons_sweep, only: sweep_t, swept_friction, swept_friction_factor
-   use amontons_text, only: counted, pair_text, short_text, to_text
+   use amontons_text, only: counted, vector_text, short_text, to_text
    implicit none (type, external)
    private
 
@@ -99,8 +99,9 @@ contains
             if (find_set(body%mesh%node_sets, load%set) > 0) cycle
             call body%mesh%set_nodes(load%set, nodes, error)
             if (size(nodes) > 1) call warnings%add("the force on set '"//load%set//"' acts on each of its "// &
-               to_text(size(nodes))//' nodes, '//pair_text(size(nodes)*load%force)//' in all; '// &
-               'total_force gives the sum')
+               to_text(size(nodes))//' nodes, '// &
+               vector_text(size(nodes)*load%force(:size(body%mesh%coordinates, 1)))//' in all; total_force '// &
+               'gives the sum')
          end associate
       end do
       ! Parts of a mesh that share no nodes and that no contact or tie joins.
@@ -151,15 +152,17 @@ contains
    pure subroutine add_shared_place(warnings, what, coordinates, point)
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
       character(*), intent(in) :: what !! support or load
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: point(2) !! the point [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
+      real(dp), intent(in) :: point(3) !! the point [L]
       real(dp) :: reach
-      integer :: n
+      integer :: n, n_dim
 
       reach = input_rounding*maxval(maxval(coordinates, dim=2) - minval(coordinates, dim=2))
-      n = count(hypot(coordinates(1, :) - point(1), coordinates(2, :) - point(2)) <= reach)
-      if (n > 1) call warnings%add('the '//what//' at the point '//warnings%place(point)//' acts on one node, of '// &
-         to_text(n)//' there that are not joined: the first of the mesh; name a set to choose another one')
+      n_dim = size(coordinates, 1)
+      n = count(norm2(coordinates - spread(point(:n_dim), 2, size(coordinates, 2)), dim=1) <= reach)
+      if (n > 1) call warnings%add('the '//what//' at the point '//warnings%place(point(:n_dim))// &
+         ' acts on one node, of '//to_text(n)// &
+         ' there that are not joined: the first of the mesh; name a set to choose another one')
    end subroutine add_shared_place
 
    !> Adds the warnings on a contact set that do not depend on the solution.

@@ -19,7 +19,7 @@ module amontons_result
    use amontons_rounding, only: result_rounding
    use amontons_stress_field, only: error_estimate_t, stress_field_t
    use amontons_terminal, only: timings_t
-   use amontons_text, only: pair_text
+   use amontons_text, only: vector_text
    use amontons_uniqueness, only: all_solutions_t, uniqueness_t
    implicit none (type, external)
    private
@@ -312,7 +312,7 @@ contains
          if (.not. list(i)%has_place .or. has_limit(result%convergence(i)%convergence)) cycle
          node = body%mesh%nearest_node(list(i)%place)
          if (any(is_beside(max(1, node):node))) names = names//', '//trim(list(i)%label)//' at '// &
-            pair_text(list(i)%place)
+            vector_text(list(i)%place)
       end do
       if (len(names) > 0) call result%warnings%add('numbers that have no limit as the mesh is refined are found '// &
          'where a point force acts: '//names(3:)//'; spread it over a set, by traction or total_force')

@@ -16,7 +16,7 @@ module amontons_result_warnings
    use amontons_model_warnings, only: body_size, percent
    use amontons_result, only: result_t
    use amontons_rounding, only: exceeds, result_rounding
-   use amontons_text, only: counted, pair_text, to_text
+   use amontons_text, only: counted, vector_text, to_text
    implicit none (type, external)
    private
 
@@ -545,7 +545,7 @@ contains
             if (before(first) > 0) is_end([before(first), first]) = .true.
             if (next(last) > 0) is_end([last, next(last)]) = .true.
             if (max(before(first), next(last)) == 0 .or. n < 2 .or. (n - 1)/n_per_side >= enough_sides) cycle
-            call result%warnings%add('the '//name//' zone from '//pair_text(zone%position(:, first))//' to '// &
+            call result%warnings%add('the '//name//' zone from '//vector_text(zone%position(:, first))//' to '// &
                result%warnings%place(zone%position(:, last))//' has fewer than '//to_text(enough_sides)// &
                ' sides: its ends are known to a side only'//error_clause(result, body, is_zone)// &
                '; refine the mesh there, or see the error bars of --refine 2')

@@ -69,9 +69,11 @@ class Key:
         name, self.values, _, self.default, self.meaning = (cell.strip() for cell in row.strip("|").split("|"))
         self.group, self.name, self.is_required = group, name.strip("*`"), name.startswith("*")
         self.words = WORD.findall(self.values)
-        n_values, noun = re.match(r"(\d+ )?(\w+)", "text" if self.words else self.values).groups()
+        n_values, in_space, noun = re.match(r"(\d+ )?(?:or (\d+ ))?(\w+)",
+                                            "text" if self.words else self.values).groups()
         self.is_list = self.values.startswith(("numbers", "whole numbers", "texts"))
         self.n_values, self.noun = int(n_values or 1), NOUNS[noun]
+        self.too_many = int(in_space or self.n_values) + 1
 
     def out_of_range(self):
         """The least values that the reference excludes."""
@@ -145,8 +147,8 @@ class Reference(ProgramTest):
                 value, fault = ("1", f"{key.name}: expected one of {', '.join(key.words)}, found 1") if key.words else (
                     "'x'", f"{key.name}: expected a {key.noun}, found 'x'")
             else:
-                value, fault = f"{key.n_values + 1}*1", f"{key.name}: expected {key.n_values} {key.noun}" \
-                    f"{'s' if key.n_values > 1 else ''}, found {key.n_values + 1}"
+                value, fault = f"{key.too_many}*1", f"{key.name}: expected {key.n_values} {key.noun}" \
+                    f"{'s' if key.n_values > 1 else ''}, found {key.too_many}"
             # Hints stand in parentheses.
             faults = re.sub(r" \([^)]*\), found", ", found", self.faults(f"&{key.group} {key.name} = {value} /"))
             self.assertIn(fault, faults)

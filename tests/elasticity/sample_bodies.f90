@@ -54,7 +54,7 @@ contains
       type(support_t) :: support
 
       support = support_on_set('', components, displacement)
-      support%point = point
+      support%point(:2) = point
    end function support_at_point
 
    !> An elastic foundation under a boundary set.
@@ -76,7 +76,7 @@ contains
 
       load%set = set
       load%region = ''
-      load%traction = traction
+      load%traction(:2) = traction
       load%origin = 'deck.nml:9: '
    end function traction_on_set
 
@@ -87,7 +87,7 @@ contains
 
       load = traction_on_set('', [0.0_dp, 0.0_dp])
       load%target = load_on_region
-      load%body_force = body_force
+      load%body_force(:2) = body_force
    end function weight_of
 
    !> A material with Young's modulus 1000, Poisson's ratio 0.3 and thickness 2.

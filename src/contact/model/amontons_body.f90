@@ -435,7 +435,7 @@ contains
       allocate (force(size(self%driven)), source=0.0_dp)
       do i = 1, size(loads)
          if (loads(i)%target /= load_on_motion) cycle
-         given = [loads(i)%force, loads(i)%moment]
+         given = [loads(i)%force(:2), loads(i)%moment(3)]
          do k = 1, size(force)
             if (self%driven(k)%name == loads(i)%name) force(k) = force(k) + given(self%driven(k)%component)
          end do

@@ -660,7 +660,7 @@ contains
             associate (holder => self%base%supports(maxval(body%constraints%holder(:, node))))
                support = holder%set
                if (len(holder%name) > 0) support = holder%name
-               if (len(support) == 0) support = 'at '//place_text(holder%point)
+               if (len(support) == 0) support = 'at '//place_text(holder%point(:size(body%mesh%coordinates, 1)))
                call new_error(error, no_equilibrium, holder%origin//"the support '"//support//"' holds the node at "// &
                   place_text(place)//" of the contact set '"//contact%set//"' "//short_text(push - gap)// &
                   ' deep in its rigid obstacle: no contact force can move it out')

@@ -11,7 +11,7 @@ module amontons_surface_stress
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t
-   use amontons_material, only: in_plane, material_t, n_strains, turned_compliance
+   use amontons_material, only: axes_at_angle, in_plane, material_t, n_strains, turned_compliance
    use amontons_rounding, only: input_rounding
    implicit none (type, external)
    private
@@ -234,11 +234,11 @@ contains
    pure function surface_compliance(material, tangent) result(compliance)
       type(material_t), intent(in) :: material !! the material
       real(dp), intent(in) :: tangent(2) !! unit vector along the surface, the outward normal on its right [-]
-      real(dp) :: compliance(4, 4)
+      real(dp) :: compliance(4, 4), turned(n_strains, n_strains)
       integer, parameter :: order(4) = [1, 4, 2, 3]
 
-      compliance = turned_compliance(material%compliance(:4, :4), atan2(-tangent(1), tangent(2)))
-      compliance = compliance(order, order)
+      turned = turned_compliance(material%compliance, axes_at_angle(atan2(-tangent(1), tangent(2))))
+      compliance = turned(order, order)
    end function surface_compliance
 
    !> A sum over the nodes of a side of their coordinates times factors (2).

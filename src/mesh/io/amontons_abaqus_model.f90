@@ -653,7 +653,7 @@ contains
       case ('grav')
          if (.not. norm2(values(2:4)) > 0.0_dp .or. abs(values(4)) > 0.0_dp) call input%refuse_line( &
             'GRAV: expected a direction in the plane')
-         if (.not. allocated(input%error)) load%gravity = values(1)*values(2:3)/norm2(values(2:3))
+         if (.not. allocated(input%error)) load%gravity(:2) = values(1)*values(2:3)/norm2(values(2:3))
       case ('centrif')
          ! The square of the angular speed, a point of the axis and its direction. A body of revolution has its own.
          if (values(1) < 0.0_dp) call input%refuse_line('CENTRIF: the square of the angular speed is negative')
@@ -663,8 +663,8 @@ contains
                'CENTRIF: a body of revolution spins about its own axis')
             return
          end if
-         load%center = values(2:3)
-         load%axis = values(5:6)
+         load%center(:2) = values(2:3)
+         load%axis(:2) = values(5:6)
          if (any(abs(load%axis) > 0.0_dp) .and. abs(values(7)) > 0.0_dp) call input%refuse_line( &
             'CENTRIF: expected an axis in the plane or normal to it')
       case default

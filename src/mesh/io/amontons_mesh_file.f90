@@ -24,7 +24,7 @@ module amontons_mesh_file
       logical :: is_used(size(use_names)) = .false. !! which of `use_names` are read from the file as well
       integer :: step = 0 !! the step whose supports and loads are used; 0 if the file has only one
       type(rectangle_t) :: rectangle !! the rectangle that it is where there is no file
-      real(dp) :: origin(2) = 0.0_dp !! position of the origin of its own coordinates [L]
+      real(dp) :: origin(3) = 0.0_dp !! position of the origin of its own coordinates [L]
       integer :: n_refinements = 0 !! number of uniform refinements
       integer :: n_finest = 0 !! that of the finest mesh of a study on several ones, which is checked to be possible
       character(:), allocatable :: place !! where it was specified, for messages: 'deck.nml:12: '
@@ -309,7 +309,7 @@ contains
       if (allocated(error)) error%message = part%place//error%message
       if (allocated(error)) return
       do node = 1, mesh%n_nodes
-         mesh%coordinates(:, node) = part%origin + mesh%coordinates(:, node)
+         mesh%coordinates(:, node) = part%origin(:size(mesh%coordinates, 1)) + mesh%coordinates(:, node)
       end do
       if (len(part%name) > 0) call name_mesh(mesh, part%name)
       call refine_mesh(mesh, part%n_refinements - n_common, error)
