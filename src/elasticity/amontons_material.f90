@@ -16,7 +16,7 @@ module amontons_material
    !> axis of revolution.
    character(12), parameter :: hypothesis_names(*) = [character(12) :: 'plane strain', 'plane stress', 'axisymmetric']
    !> In the place of a hypothesis: the body is not reduced, its mesh has three coordinates.
-   character(*), parameter :: no_hypothesis = 'solid'
+   character(*), parameter, public :: no_hypothesis = 'solid'
 
    !> Integration of the volume change, as a deck writes it: at every quadrature point, or projected to few polynomials
    !> in each element (B-bar); the first word chooses the one that suits Poisson's ratio.

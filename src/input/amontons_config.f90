@@ -276,7 +276,7 @@ contains
             config%n_used = 0
             cycle
          end if
-         config%n_used = [size(model%materials), model%n_supports, model%n_loads]
+         config%n_used = [size(model%materials), size(model%supports), size(model%loads)]
       end do
       if (is_new) then
          ! Makes room for the materials, supports and loads of the deck, behind those of its mesh file.
@@ -289,8 +289,8 @@ contains
             allocate (config%loads(n_used(3) + visitor%deck%count_groups('load')))
             if (any(n_used > 0)) then
                config%materials(:n_used(1)) = model%materials
-               config%supports(:n_used(2)) = model%supports(:n_used(2))
-               config%loads(:n_used(3)) = model%loads(:n_used(3))
+               config%supports(:n_used(2)) = model%supports
+               config%loads(:n_used(3)) = model%loads
             end if
             do i = 1, n_used(3)
                config%loads(i)%name = file_load_name

@@ -96,7 +96,7 @@ REFUSED = [
     ("*BOUNDARY, OP=OLD\nleft, 1\n", "supports", "*BOUNDARY with OP=OLD cannot be used"),
     ("*BOUNDARY\n1, 1, 1, 0., 0., 0., 0., 0., 0., 7\n", "supports", "more than 9 fields on a line"),
     (f"*BOUNDARY\n{'x'*81}, 1\n", "supports", "a field of more than 80 characters"),
-    ("*CLOAD\ntop, 3, 1.\n", "loads", "*CLOAD: expected the component 1 or 2, found '3'"),
+    ("*CLOAD\ntop, 3, 1.\n", "loads", "*CLOAD: expected a component from 1 to 2, found '3'"),
     ("*CLOAD\nnone, 1, 1.\n", "loads", "*CLOAD: there is no set 'none' above"),
     ("*CLOAD, AMPLITUDE=ramp\ntop, 1, 1.\n", "loads", "*CLOAD with AMPLITUDE=ramp cannot be used"),
     ("*DLOAD\nnone, P1, 1.\n", "loads", "*DLOAD: there is no set 'none' above"),

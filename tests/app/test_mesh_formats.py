@@ -241,12 +241,17 @@ class MeshFormats(ProgramTest):
     def test_axes_of_materials_that_cannot_be_used(self):
         flat = abaqus(places(0.0, 0.0)).decode()
         deck = self.write("deck.nml", "&mesh file = 'bad.inp'  use = 'materials' /\n")
+        section = ("*MATERIAL, NAME=m\n*ELASTIC\n1., 0.2\n"
+                   "*SOLID SECTION, ELSET=body, MATERIAL=m, ORIENTATION=o\n")
         for lines, message in (
                 ("*ORIENTATION, NAME=o, SYSTEM=CYLINDRICAL\n", "*ORIENTATION with SYSTEM=CYLINDRICAL cannot be used"),
                 ("*ORIENTATION, NAME=o, DEFINITION=NODES\n", "*ORIENTATION with DEFINITION=NODES cannot be used"),
-                ("*ORIENTATION, NAME=o\n1., 0., 0., 0., 0., 1.\n", "*ORIENTATION: the third axis must be that of z"),
-                ("*ORIENTATION, NAME=o\n1., 0., 0., 0., 1., 0.\n2, 30.\n",
+                ("*ORIENTATION, NAME=o\n1., 0., 0., 0., 0., 1.\n" + section,
                  "*ORIENTATION: the third axis must be that of z"),
+                ("*ORIENTATION, NAME=o\n1., 0., 0., 0., 1., 0.\n2, 30.\n" + section,
+                 "*ORIENTATION: the third axis must be that of z"),
+                ("*ORIENTATION, NAME=o\n0., 0., 0., 0., 1., 0.\n",
+                 "*ORIENTATION: expected two points other than the origin"),
                 ("*SOLID SECTION, ELSET=body, MATERIAL=m, ORIENTATION=o\n",
                  "*SOLID SECTION: there is no *ORIENTATION 'o' above"),
                 ("*MATERIAL, NAME=m\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n1., 1., 1., 0., 0., 0., 1.\n",

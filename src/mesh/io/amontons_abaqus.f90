@@ -1,17 +1,18 @@
-!> Meshes in the input format of Abaqus and CalculiX: nodes, plane elements and sets, and on demand the model.
+!> Meshes in the input format of Abaqus and CalculiX: nodes, elements and sets, and on demand the model.
 !> Everything else is ignored, with a warning where it may affect results.
 module amontons_abaqus
-   use amontons_abaqus_lines, only: assembly_scope, end_instance, expected_instance, get_set, &
+   use amontons_abaqus_lines, only: assembly_scope, capitals, end_instance, expected_instance, get_set, &
       insert_included, instance_shift, is_at_line_end, name_instance_sets, next_data_line, next_keyword, parameter_of, &
       read_set, read_surface, resolve_elements, set_of_field, start_instance, start_part, take_comma, take_tag
    use amontons_abaqus_model, only: finish_model, model_keywords, model_uses, read_model_keyword
-   use amontons_element, only: max_nodes, quad4, quad8, quad9, tri3, tri6
-   use amontons_file_model, only: line2, line3, n_cell_nodes, no_cell, raw_mesh_t, use_materials, use_names
+   use amontons_element, only: hex20, hex8, is_solid, max_nodes, quad4, quad8, quad9, tet10, tet4, tri3, tri6
+   use amontons_file_model, only: cell_dimension, line2, line3, n_cell_nodes, no_cell, raw_mesh_t, use_materials, &
+      use_names
    use amontons_input_file, only: input_file_t, printable
    use amontons_integer_list, only: integer_list_t
    use amontons_kinds, only: dp
    use amontons_material, only: hypothesis_names
-   use amontons_text, only: counted, lower_case
+   use amontons_text, only: counted, lower_case, to_text
    implicit none (type, external)
    private
 
@@ -50,7 +51,7 @@ contains
       character(:), allocatable :: keyword, line
       type(ignored_keywords_t) :: ignored
       type(integer_list_t) :: section_group, section_place
-      integer :: i
+      integer :: i, n_dim
       logical :: is_read
 
       call insert_included(input)
@@ -58,7 +59,7 @@ contains
       raw%ignores_case = .true.
       raw%scope = ''
       allocate (raw%parts(0), raw%instances(0), raw%model%definitions(0), raw%model%sections(0), &
-         raw%model%orientations(0), raw%model%supports(4), raw%model%loads(4))
+         raw%model%orientations(0), raw%model%conditions(4))
       do
          call next_keyword(input, keyword, line)
          if (keyword == '' .and. size(raw%parts) > 0 .and. size(raw%instances) == 0) then
@@ -108,13 +109,14 @@ contains
       raw%scope = ''
       call name_instance_sets(raw)
       if (.not. allocated(input%error)) call resolve_elements(raw, input)
+      n_dim = raw%n_dim()
       do i = 1, section_group%n
          if (section_group%item(i) == 0) cycle
          associate (name => raw%groups(section_group%item(i))%name, cells => &
             raw%groups(section_group%item(i))%cell%items())
-            if (any(raw%cell_kind%item(cells) < 0)) call input%refuse("a section makes bars of the lines of set '"// &
-               name//"', and bars cannot be computed: leave them out; lines without a section name the boundary", &
-               section_place%item(i))
+            if (any(cell_dimension(raw%cell_kind%item(cells)) < n_dim)) call input%refuse( &
+               "a section makes bars or shells of the lines or faces of set '"//name//"', and these cannot be "// &
+               'computed: leave them out; without a section they name the boundary', section_place%item(i))
          end associate
       end do
       if (.not. allocated(input%error)) call finish_model(raw, input)
@@ -172,22 +174,22 @@ contains
       character(3), parameter :: families(3) = ['cpe', 'cps', 'cax']
       character(:), allocatable :: value
       character(12) :: before
-      integer :: family, group, i, kind, n, nodes(max_nodes), place, shift, tag
+      integer :: family, group, i, kind, last, n, nodes(max_nodes), place, shift, tag
       logical :: is_there
 
       if (parameter_of(line, 'input') /= '') call input%refuse_line( &
          '*ELEMENT with INPUT= is not read: write the elements out')
       value = parameter_of(line, 'type')
-      call find_kind(input, value, kind)
+      call find_kind(input, value, kind, last)
       family = 0
       if (kind > 0 .and. scan(value, 'pP', back=.true.) < 4) family = findloc(families == lower_case(value(:3)), &
          .true., dim=1)
       if (kind == line2 .or. kind == line3) then
          call raw%add_note('elements of type '//value//' are taken for names of the boundary, not for bars')
-      else if (family == 0) then
+      else if (family == 0 .and. .not. is_solid(kind)) then
          call raw%add_note('elements of type '//value//' are taken for plane elements; the deck says of which kind')
-      else if (len(value) > 4) then
-         call raw%add_note('elements of type '//value//' are taken for '//value(:4)// &
+      else if (len(value) > last) then
+         call raw%add_note('elements of type '//value//' are taken for '//value(:last)// &
             ': compatible and fully integrated')
       end if
       before = raw%hypothesis
@@ -204,7 +206,8 @@ contains
          call take_tag(input, shift, tag, 'the number of an element')
          do i = 1, n
             call take_comma(input, is_there)
-            if (.not. is_there) call input%refuse('expected a comma and a node of an element, found '//input%word())
+            if (.not. is_there) call input%refuse('expected a comma and a node of an element, one of '//to_text(n)// &
+               ' of type '//value//', found '//input%word())
             if (is_at_line_end(input)) call next_data_line(input, is_there)
             call take_tag(input, shift, nodes(i), 'a node of an element')
          end do
@@ -219,35 +222,38 @@ contains
    end subroutine read_elements
 
    !> Finds the kind of cell of an element type.
-   pure subroutine find_kind(input, type, kind)
+   pure subroutine find_kind(input, type, kind, last)
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: type !! name of the type
       integer, intent(out) :: kind !! kind of the elements, `no_cell` where there is a fault
-      ! By the digit behind the first three letters; of beams the last of three.
+      integer, intent(out) :: last !! number of characters of the name up to the number of nodes
+      character(3), parameter :: plane(*) = ['cpe', 'cps', 'cax', 'm3d', 'r3d']
       character(*), parameter :: plane_digits = '34689'
       integer, parameter :: plane_kinds(0:len(plane_digits)) = [no_cell, tri3, quad4, tri6, quad8, quad9]
-      integer, parameter :: line_kinds(0:2) = [no_cell, line2, line3]
       character(:), allocatable :: name
 
       name = lower_case(type)//'     '
-      select case (name(:3))
-      case ('cpe', 'cps', 'cax', 'm3d', 'r3d')
-         kind = plane_kinds(index(plane_digits, name(4:4)))
-      case ('t2d', 't3d')
-         kind = line_kinds(index('23', name(4:4)))
-      case ('b21', 'b22', 'b31', 'b32')
-         kind = line_kinds(index('12', name(3:3)))
+      last = 2 + verify(name(4:), '0123456789')
+      kind = no_cell
+      select case (name(:last))
+      case ('c3d4')
+         kind = tet4
+      case ('c3d8')
+         kind = hex8
+      case ('c3d10')
+         kind = tet10
+      case ('c3d20')
+         kind = hex20
+      case ('t2d2', 't3d2', 'b21', 'b31')
+         kind = line2
+      case ('t2d3', 't3d3', 'b22', 'b32')
+         kind = line3
       case default
-         kind = no_cell
+         if (any(plane == name(:3)) .and. last == 4) kind = plane_kinds(index(plane_digits, name(4:4)))
       end select
-      if (verify(trim(name(5:)), 'rhimtp') > 0) kind = no_cell
-      if (kind /= no_cell) return
-      if (name(:3) == 'c3d') then
-         call input%refuse_line('3-D mesh: found elements of type '//type//', expected plane elements')
-      else
-         call input%refuse_line("elements of type '"//type//"' are not supported: expected CPE3, CPE4, CPE6, CPE8 "// &
-            'or the same of CPS and CAX')
-      end if
+      if (verify(trim(name(last + 1:)), 'rhimtps') > 0) kind = no_cell
+      if (kind == no_cell) call input%refuse_line("elements of type '"//type//"' are not supported: expected CPE3, "// &
+         'CPE4, CPE6, CPE8 or the same of CPS and CAX, C3D4, C3D8, C3D10, C3D20')
    end subroutine find_kind
 
    !> Adds a keyword of the file to those that are ignored.
@@ -290,17 +296,5 @@ contains
       end do
       if (words /= '') raw%warning = raw%warning//'; give them in the deck, or &mesh use = '//words(3:)
    end subroutine ignored_keywords_report
-
-   !> A text in capital letters.
-   pure function capitals(text) result(upper)
-      character(*), intent(in) :: text !! the text
-      character(len(text)) :: upper
-      integer :: i
-
-      upper = text
-      do i = 1, len(text)
-         if (text(i:i) >= 'a' .and. text(i:i) <= 'z') upper(i:i) = achar(iachar(text(i:i)) - 32)
-      end do
-   end function capitals
 
 end module amontons_abaqus

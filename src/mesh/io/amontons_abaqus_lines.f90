@@ -3,7 +3,7 @@
 module amontons_abaqus_lines
    use amontons_element, only: n_sides
    use amontons_error, only: error_t
-   use amontons_file_model, only: file_part_t, identity, longest_name, raw_mesh_t
+   use amontons_file_model, only: cell_dimension, file_part_t, identity, longest_name, raw_mesh_t
    use amontons_input_file, only: beside, input_file_t, new_input_file
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
@@ -11,10 +11,10 @@ module amontons_abaqus_lines
    implicit none (type, external)
    private
 
-   public :: add_members, assembly_scope, degree, end_instance, expected_instance, get_set, insert_included, &
+   public :: add_members, assembly_scope, capitals, degree, end_instance, expected_instance, get_set, insert_included, &
       instance_shift, is_at_line_end, name_instance_sets, next_data_line, next_keyword, parameter_of, place_of_name, &
-      read_set, read_surface, read_tag, refuse_parameters, resolve_elements, set_of_field, start_instance, start_part, &
-      take_comma, take_fields, take_line_of_numbers, take_number, take_tag
+      read_set, read_surface, read_tag, refuse_parameters, resolve_elements, rotation_matrix, set_of_field, &
+      start_instance, start_part, take_comma, take_fields, take_line_of_numbers, take_number, take_tag
 
    character, parameter :: line_feed = achar(10)
    !> Largest length of a keyword line.
@@ -31,7 +31,7 @@ module amontons_abaqus_lines
    !> A degree [rad].
    real(dp), parameter :: degree = acos(-1.0_dp)/180.0_dp
    !> Names of the sides of an element.
-   character(*), parameter :: side_names(4) = ['s1', 's2', 's3', 's4']
+   character(*), parameter :: side_names(*) = ['s1', 's2', 's3', 's4', 's5', 's6']
 
 contains
 
@@ -47,10 +47,8 @@ contains
       n_included = 0
       call blank_tabs(input%text)
       do
-         place = next_include(input)
-         if (place == 0 .or. allocated(input%error)) exit
-         input%position = place
-         call next_keyword(input, keyword, line)
+         call next_keyword(input, keyword, line, place)
+         if (keyword == '' .or. allocated(input%error)) exit
          if (keyword /= 'include') cycle
          n_included = n_included + 1
          name = parameter_of(line, 'input')
@@ -80,24 +78,6 @@ contains
       end do
    end subroutine blank_tabs
 
-   !> Position of the next `*INCLUDE`, 0 if there is none.
-   pure integer function next_include(input) result(place)
-      type(input_file_t), intent(in) :: input !! the file
-      integer :: step
-
-      place = input%position - 1
-      do
-         step = index(input%text(place + 1:), '*')
-         if (step == 0) exit
-         place = place + step
-         if (index(adjustl(lower_case(input%text(place + 1:min(place + longest_name, len(input%text))))), 'include') &
-            /= 1) cycle
-         step = index(input%text(:place), line_feed, back=.true.)
-         if (verify(input%text(step + 1:place - 1), ' '//achar(9)) == 0) return
-      end do
-      place = 0
-   end function next_include
-
    !> Whether only blanks are left on the line.
    pure logical function is_at_line_end(input)
       type(input_file_t), intent(in) :: input !! the file, behind blanks
@@ -119,10 +99,10 @@ contains
    pure subroutine skip_line(input)
       type(input_file_t), intent(inout) :: input !! the file
 
-      do while (.not. is_at_line_end(input))
-         input%position = input%position + 1
-      end do
-      input%position = input%position + 1
+      integer :: length
+
+      length = index(input%text(input%position:), line_feed)
+      input%position = merge(input%position + length, len(input%text) + 2, length > 0)
    end subroutine skip_line
 
    !> Moves to the next data line, if there is one before the next keyword or the end of the file.
@@ -140,13 +120,14 @@ contains
    end subroutine next_data_line
 
    !> Moves to the next keyword and reads its line with the continuation lines.
-   pure subroutine next_keyword(input, keyword, line)
+   pure subroutine next_keyword(input, keyword, line, place)
       type(input_file_t), intent(inout) :: input !! the file, at the beginning of a line
       character(:), allocatable, intent(out) :: keyword
          !! the keyword in small letters, without `*` and blanks; empty at the end of the file
       character(:), allocatable, intent(out) :: line !! the whole line, behind the `*`
+      integer, intent(out), optional :: place !! where the `*` stands
       character(:), allocatable :: more
-      integer :: i, place
+      integer :: first, i
       logical :: is_there
 
       keyword = ''
@@ -157,8 +138,9 @@ contains
          call skip_line(input)
       end do
       if (.not. continues_with(input, '*')) return
-      place = input%position
-      input%position = input%position + 1
+      first = input%position
+      if (present(place)) place = first
+      input%position = first + 1
       call input%take_line(line)
       do while (len(line) > 0 .and. len(line) <= longest_line .and. index(line, ',', back=.true.) == len(line))
          call next_data_line(input, is_there)
@@ -167,7 +149,7 @@ contains
          line = line//more
       end do
       if (len(line) > longest_line) call input%refuse( &
-         'a keyword line of more than '//to_text(longest_line)//' characters', place)
+         'a keyword line of more than '//to_text(longest_line)//' characters', first)
       if (allocated(input%error)) return
       do i = 1, len(line)
          if (line(i:i) == ',') exit
@@ -205,6 +187,18 @@ contains
       if (len(text) < 2) return
       if (text(1:1) == '"' .and. text(len(text):) == '"') inside = trim(text(2:len(text) - 1))
    end function unquoted
+
+   !> A text in capital letters.
+   pure function capitals(text) result(upper)
+      character(*), intent(in) :: text !! the text
+      character(len(text)) :: upper
+      integer :: i
+
+      upper = text
+      do i = 1, len(text)
+         if (text(i:i) >= 'a' .and. text(i:i) <= 'z') upper(i:i) = achar(iachar(text(i:i)) - 32)
+      end do
+   end function capitals
 
    !> Skips a comma and the blanks around it, if there is one.
    pure subroutine take_comma(input, is_there)
@@ -352,8 +346,11 @@ contains
       call next_data_line(input, is_there)
       if (is_there) call input%refuse('*INSTANCE has two data lines at most: a translation and a rotation')
       if (abs(turn(7)) > 0.0_dp) then
-         if (.not. norm2(turn(4:6) - turn(:3)) > 0.0_dp) call input%refuse_line( &
-            'expected two different points of the axis about which an instance is turned, and the angle')
+         if (.not. norm2(turn(4:6) - turn(:3)) > 0.0_dp) then
+            call input%refuse_line( &
+               'expected two different points of the axis about which an instance is turned, and the angle')
+            return
+         end if
          instance%rotation = rotation_matrix(turn(4:6) - turn(:3), turn(7))
          instance%origin = turn(:3) + matmul(instance%rotation, instance%origin - turn(:3))
       end if
@@ -603,15 +600,14 @@ contains
             if (n == 1 .and. raw%find_group(name) == 0) own%name = name
          end associate
       end do
-      do i = 1, raw%model%n_supports
-         raw%model%supports(i)%set = final_name(raw%model%supports(i)%set)
-      end do
-      do i = 1, raw%model%n_loads
-         raw%model%loads(i)%set = final_name(raw%model%loads(i)%set)
-         raw%model%loads(i)%region = final_name(raw%model%loads(i)%region)
+      do i = 1, raw%model%n_conditions
+         associate (load => raw%model%conditions(i)%load)
+            load%set = final_name(load%set)
+            load%region = final_name(load%region)
+         end associate
       end do
       do i = 1, size(raw%model%sections)
-         raw%model%sections(i)%region = final_name(trim(raw%model%sections(i)%region))
+         raw%model%sections(i)%material%region = final_name(raw%model%sections(i)%material%region)
       end do
 
    contains
@@ -689,7 +685,7 @@ contains
          call take_field(input, field)
          side = findloc(side_names == lower_case(field), .true., dim=1)
          if (.not. of_nodes) then
-            if (side == 0) call input%refuse("expected one of the sides S1 to S4, found '"//field//"'")
+            if (side == 0) call input%refuse("expected one of the sides S1 to S6, found '"//field//"'")
             call raw%groups(group)%side%append_all(spread(side, 1, members%n - n))
          end if
          call take_comma(input, is_there)
@@ -705,20 +701,22 @@ contains
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file
       type(tag_map_t) :: map
-      integer :: cell, group, i, n_own, tag
+      integer :: cell, group, i, n, n_dim, tag
 
+      n_dim = raw%n_dim()
       call new_tag_map(map, raw%cell_tag%items())
       do group = 1, raw%n_groups
          do i = 1, raw%groups(group)%cell%n
             tag = raw%groups(group)%cell%item(i)
             cell = map%find(tag)
-            ! Lines have no sides.
-            n_own = 0
-            if (cell > 0) n_own = merge(n_sides(max(1, raw%cell_kind%item(cell))), 0, raw%cell_kind%item(cell) > 0)
+            ! Only elements of the body have sides, not lines, nor faces of solids.
+            n = 0
+            if (cell > 0) n = merge(n_sides(max(1, raw%cell_kind%item(cell))), 0, &
+               cell_dimension(raw%cell_kind%item(cell)) == n_dim)
             if (cell == 0) then
                call input%refuse("the set '"//raw%groups(group)%name//"' names element "//to_text(tag)// &
                   ', which the file does not give', raw%groups(group)%place)
-            else if (raw%groups(group)%side%item(i) > n_own) then
+            else if (raw%groups(group)%side%item(i) > n) then
                call input%refuse("the surface '"//raw%groups(group)%name//"' names a side that element "// &
                   to_text(tag)//' has not', raw%groups(group)%place)
             end if

@@ -2,17 +2,17 @@
 !> initial temperatures of nodes (without strain) and those of the step, supports and loads; steps keep, replace and end
 !> what was given before them.
 module amontons_abaqus_model
-   use amontons_abaqus_lines, only: add_members, degree, next_data_line, parameter_of, place_of_name, read_tag, &
-      refuse_parameters, set_of_field, take_fields, take_line_of_numbers, take_number
-   use amontons_constraints, only: new_support, support_t
+   use amontons_abaqus_lines, only: add_members, capitals, degree, next_data_line, parameter_of, place_of_name, &
+      read_tag, refuse_parameters, rotation_matrix, set_of_field, take_fields, take_line_of_numbers, take_number
+   use amontons_constraints, only: new_support, supported_components
    use amontons_error, only: error_t
-   use amontons_file_model, only: file_material_t, file_model_t, file_temperatures_t, longest_name, raw_mesh_t, &
+   use amontons_file_model, only: file_condition_t, file_material_t, file_temperatures_t, longest_name, raw_mesh_t, &
       use_loads, use_materials, use_supports
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, new_tag_map
    use amontons_kinds, only: dp, int64
    use amontons_loads, only: load_by_temperature, load_on_nodes, load_on_region, load_t, new_load
-   use amontons_material, only: new_material
+   use amontons_material, only: new_material, no_hypothesis
    use amontons_text, only: counted, lower_case, read_integer, to_text
    implicit none (type, external)
    private
@@ -24,12 +24,12 @@ module amontons_abaqus_model
       'orientation', 'solidsection', 'boundary', 'cload', 'dload', 'dsload', 'temperature']
    !> The part of the model to which each of these keywords belongs: materials, supports or loads.
    integer, parameter :: model_uses(*) = [spread(use_materials, 1, 6), use_supports, spread(use_loads, 1, 4)]
-   !> Target of a load that a later step has ended.
-   integer, parameter :: no_load = 0
    !> Temperature of a node to which the step gives none.
    real(dp), parameter :: not_given = huge(1.0_dp)
    !> Largest number of fields of a data line; the temperatures of a shell follow that of its first point.
    integer, parameter :: most_fields = 9
+   !> Names of pressures on the sides of an element.
+   character(*), parameter :: side_labels(*) = ['p1', 'p2', 'p3', 'p4', 'p5', 'p6']
    !> Number of constants of an orthotropic material: three moduli, ratios of Poisson and shear moduli.
    integer, parameter :: n_engineering_constants = 9
 
@@ -58,10 +58,8 @@ contains
          call read_orientation(raw, input, line)
       case ('solidsection')
          call read_section(raw, input, line)
-      case ('boundary')
-         call read_boundary(raw, input, line)
-      case ('cload', 'dload', 'dsload')
-         call read_loads(raw, input, keyword, line)
+      case ('boundary', 'cload', 'dload', 'dsload')
+         call read_conditions(raw, input, keyword, line)
       case ('temperature', 'initialconditions')
          call read_temperatures(raw, input, keyword, line, is_read)
       case ('step')
@@ -69,8 +67,7 @@ contains
             model%n_steps = model%n_steps + 1
             if (model%n_steps > 1 .and. model%step == 0) call input%refuse_line( &
                'a second *STEP: &mesh step = 2 uses the supports and loads of this one, and what it keeps of the first')
-            model%n_earlier_supports = model%n_supports
-            model%n_earlier_loads = model%n_loads
+            model%n_earlier = model%n_conditions
             if (parameter_of(line, 'perturbation') /= '' .and. model%step > 1) call input%refuse_line( &
                '*STEP with PERTURBATION cannot be used')
             is_read = any(lower_case(parameter_of(line, 'nlgeom')) == ['  ', 'no'])
@@ -93,6 +90,7 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: keyword !! the keyword in small letters
       character(*), intent(in) :: line !! the keyword line
+      type(file_material_t) :: definition
       character(:), allocatable :: name
       character(longest_name) :: fields(most_fields)
       real(dp) :: values(n_engineering_constants)
@@ -104,7 +102,8 @@ contains
          name = parameter_of(line, 'name')
          if (name == '' .or. len(name) > longest_name) call input%refuse_line( &
             'expected NAME= and the name of a material')
-         raw%model%definitions = [raw%model%definitions, file_material_t(name=name)]
+         definition%name = name
+         raw%model%definitions = [raw%model%definitions, definition]
       case default
          call refuse_parameters(input, line)
          last = size(raw%model%definitions)
@@ -130,11 +129,11 @@ contains
          call next_data_line(input, is_there)
          if (is_there) call input%refuse('*'//keyword//' that depends on the temperature cannot be used')
          if (allocated(input%error)) return
-         associate (material => raw%model%definitions(last))
+         associate (material => raw%model%definitions(last)%material)
             if (is_engineering) then
                material%young = values(:3)
                material%poisson = values(4:6)
-               material%shear = values(7)
+               material%shear = values(7:9)
             else if (keyword == 'elastic') then
                material%young = values(1)
                material%poisson = values(2)
@@ -166,20 +165,20 @@ contains
          '*SOLID SECTION: expected MATERIAL= and the name of a material')
       if (allocated(input%error)) return
       section%name = name
-      section%region = raw%groups(group)%name
       section%place = input%position - 1
       name = parameter_of(line, 'orientation')
       if (name /= '') then
          i = place_of_name(raw%model%orientations%name, name)
          if (i == 0) call input%refuse_line("*SOLID SECTION: there is no *ORIENTATION '"//name//"' above")
-         if (i > 0) section%angle = raw%model%orientations(i)%angle
+         if (i > 0) section%material = raw%model%orientations(i)%material
       end if
       call next_data_line(input, is_there)
       if (is_there) then
          call take_fields(input, fields, n)
-         call take_number(input, fields(1), section%thickness)
-         if (.not. section%thickness > 0.0_dp) section%thickness = 1.0_dp
+         call take_number(input, fields(1), section%material%thickness)
       end if
+      if (.not. section%material%thickness > 0.0_dp .or. raw%n_dim() == 3) section%material%thickness = 1.0_dp
+      section%material%region = raw%groups(group)%name
       raw%model%sections = [raw%model%sections, section]
    end subroutine read_section
 
@@ -190,18 +189,31 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       type(file_material_t) :: orientation
-      real(dp) :: axis(2), points(most_fields), turn(2)
+      real(dp) :: points(most_fields), turn(2)
 
       call refuse_parameters(input, line)
       call take_line_of_numbers(input, points)
       call take_line_of_numbers(input, turn)
-      if (any(abs(points([3, 6])) > 0.0_dp) .or. .not. points(1)*points(5) > points(2)*points(4) &
-         .or. (abs(turn(2)) > 0.0_dp .and. nint(turn(1)) /= 3)) call input%refuse_line( &
-         '*ORIENTATION: the third axis must be that of z')
-      axis = [1.0_dp, 0.0_dp]
-      if (raw%is_in_instance) axis = raw%instances(size(raw%instances))%rotation(:2, 1)
       orientation%name = parameter_of(line, 'name')
-      orientation%angle = (atan2(points(2), points(1)) + atan2(axis(2), axis(1)))/degree + turn(2)
+      associate (material => orientation%material, one => points(:3), two => points(4:6))
+         if (.not. norm2(one) > 0.0_dp) call input%refuse_line( &
+            '*ORIENTATION: expected two points other than the origin')
+         if (allocated(input%error)) return
+         material%axis1 = one
+         material%axis2 = two
+         if (abs(turn(2)) > 0.0_dp .and. nint(turn(1)) < 2) then
+            material%axis2 = matmul(rotation_matrix(one, turn(2)), two)
+         else if (abs(turn(2)) > 0.0_dp .and. nint(turn(1)) == 2) then
+            material%axis1 = matmul(rotation_matrix(two - dot_product(one, two)/dot_product(one, one)*one, turn(2)), &
+               one)
+         else
+            material%angle = turn(2)
+         end if
+         if (raw%is_in_instance) then
+            material%axis1 = matmul(raw%instances(size(raw%instances))%rotation, material%axis1)
+            material%axis2 = matmul(raw%instances(size(raw%instances))%rotation, material%axis2)
+         end if
+      end associate
       raw%model%orientations = [raw%model%orientations, orientation]
    end subroutine read_orientation
 
@@ -272,6 +284,7 @@ contains
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, at its end
       character(:), allocatable :: label
+      character(len(raw%hypothesis)) :: hypothesis
       type(error_t), allocatable :: error
       type(load_t) :: load
       integer :: i, k
@@ -285,33 +298,42 @@ contains
                end do
                if (k > size(model%definitions)) then
                   call input%refuse("*SOLID SECTION: there is no material '"//trim(section%name)//"'")
-               else if (.not. model%definitions(k)%young(1) > 0.0_dp) then
+               else if (.not. model%definitions(k)%material%young(1) > 0.0_dp) then
                   call input%refuse("the material '"//trim(section%name)//"' has no *ELASTIC")
                end if
                if (allocated(input%error)) return
-               associate (definition => model%definitions(k))
-                  call new_material(material, definition%young(1), merge(0.0_dp, definition%poisson(1), &
-                     definition%shear > 0.0_dp), trim(raw%hypothesis), section%thickness, error)
-                  material%angle = section%angle
-                  if (definition%shear > 0.0_dp .and. .not. allocated(error)) then
-                     material%young = definition%young
-                     material%poisson = definition%poisson
-                     material%shear = definition%shear
-                     call material%derive(error)
-                  end if
+               hypothesis = raw%hypothesis
+               if (raw%n_dim() == 3) hypothesis = no_hypothesis
+               associate (given => model%definitions(k)%material, axes => section%material)
+                  call new_material(material, given%young(1), merge(0.0_dp, given%poisson(1), &
+                     given%shear(1) > 0.0_dp), trim(hypothesis), axes%thickness, error)
+                  material%young = given%young
+                  material%poisson = given%poisson
+                  material%shear = given%shear
+                  material%density = given%density
+                  material%expansion = given%expansion
+                  material%region = axes%region
+                  material%axis1 = axes%axis1
+                  material%axis2 = axes%axis2
+                  material%angle = axes%angle
                end associate
                call locate(input, section%place, material%origin, label)
+               if (.not. allocated(error)) call material%derive(error)
                if (allocated(error)) then
                   error%message = material%origin//error%message
                   call move_alloc(error, input%error)
                   return
                end if
-               material%density = model%definitions(k)%density
-               material%expansion = model%definitions(k)%expansion
-               material%region = trim(section%region)
+               if (raw%n_dim() == 3) cycle
+               if (.not. material%axes(3, 3) >= 1.0_dp) call input%refuse( &
+                  '*ORIENTATION: the third axis must be that of z', section%place)
+               ! In the plane the angle says all.
+               material%angle = atan2(material%axes(2, 1), material%axes(1, 1))/degree
+               material%axis1 = [1.0_dp, 0.0_dp, 0.0_dp]
+               material%axis2 = [0.0_dp, 1.0_dp, 0.0_dp]
             end associate
          end do
-         call drop_ended(raw)
+         call keep_conditions(raw)
          if (model%step > model%n_steps) call input%refuse('the file has no step '//to_text(model%step)//', only '// &
             to_text(model%n_steps))
          if (temperatures%place == 0) return
@@ -324,188 +346,201 @@ contains
             temperatures%of_node(2, :) < not_given)
          load%temperature_file = input%file
          call locate(input, temperatures%place, load%origin, label)
-         call model%add_load(load)
+         model%loads = [model%loads, load]
          if (.not. temperatures%has_initial) call raw%add_note( &
             '*TEMPERATURE without *INITIAL CONDITIONS, TYPE=TEMPERATURE: nothing is strained at the temperature 0')
       end associate
    end subroutine finish_model
 
-   !> Drops supports and loads that a later step has ended.
-   pure subroutine drop_ended(raw)
+   !> Makes supports and loads of the conditions that no later step has ended and that still have members.
+   pure subroutine keep_conditions(raw)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
-      integer :: i, n
+      ! Places of the components x, y and z of a support.
+      integer, parameter :: places(3) = [findloc(supported_components, 'ux', dim=1), &
+         findloc(supported_components, 'uy', dim=1), findloc(supported_components, 'uz', dim=1)]
+      integer :: i, n, n_loads, n_supports
 
+      n = count(places > 0)
       associate (model => raw%model)
-         n = 0
-         do i = 1, model%n_supports
-            if (.not. any(model%supports(i)%is_held) .or. is_struck(model%supports(i)%set)) cycle
-            n = n + 1
-            model%supports(n) = model%supports(i)
+         allocate (model%supports(model%n_conditions), model%loads(model%n_conditions))
+         n_supports = 0
+         n_loads = 0
+         do i = 1, model%n_conditions
+            associate (given => model%conditions(i))
+               if (index(given%load%set, '*') == 1) given%is_ended = given%is_ended .or. &
+                  size(members_of(raw, given%load%set)) == 0
+               if (given%is_ended) cycle
+               if (any(given%is_held)) then
+                  n_supports = n_supports + 1
+                  associate (support => model%supports(n_supports))
+                     call new_support(support, given%load%set)
+                     support%origin = given%load%origin
+                     support%is_held(places(:n)) = given%is_held(:n)
+                     support%displacement(places(:n)) = merge(given%value, 0.0_dp, given%is_held(:n))
+                  end associate
+               else
+                  n_loads = n_loads + 1
+                  model%loads(n_loads) = given%load
+               end if
+            end associate
          end do
-         model%n_supports = n
-         n = 0
-         do i = 1, model%n_loads
-            if (model%loads(i)%target == no_load .or. is_struck(model%loads(i)%set)) cycle
-            n = n + 1
-            model%loads(n) = model%loads(i)
-         end do
-         model%n_loads = n
+         model%supports = model%supports(:n_supports)
+         model%loads = model%loads(:n_loads)
       end associate
+   end subroutine keep_conditions
 
-   contains
-
-      !> Whether nothing is left of a set that was made of lines.
-      pure logical function is_struck(set)
-         character(*), intent(in) :: set !! its name
-
-         is_struck = index(set, '*') == 1
-         if (is_struck) is_struck = size(members_of(raw, set)) == 0
-      end function is_struck
-
-   end subroutine drop_ended
-
-   !> Reads prescribed displacements: nodes, first and last component (or a word for the components), value.
-   pure subroutine read_boundary(raw, input, line)
+   !> Reads supports or loads: nodes, elements or a surface; components or kind; values. Nodes of consecutive lines with
+   !> the same content, and sides with the same pressure, are one set.
+   pure subroutine read_conditions(raw, input, keyword, line)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! 'boundary', 'cload', 'dload' or 'dsload'
       character(*), intent(in) :: line !! the keyword line
       character(longest_name) :: fields(most_fields)
-      character(:), allocatable :: label
-      type(support_t) :: support, before
-      integer :: ends(2), i, n
-      logical :: is_there, ok
-      real(dp) :: value
+      character(:), allocatable :: label, made
+      type(file_condition_t) :: before, condition
+      real(dp) :: values(most_fields - 2)
+      integer :: i, n, n_dim
+      logical :: is_there
 
+      n_dim = raw%n_dim()
       call refuse_parameters(input, line)
-      call end_earlier(raw%model, line, '')
-      call new_support(before, '')
+      if (lower_case(parameter_of(line, 'op')) == 'new') then
+         do i = 1, raw%model%n_earlier
+            if (index(raw%model%conditions(i)%name, '*'//keyword//' ') == 1) raw%model%conditions(i)%is_ended = .true.
+         end do
+      end if
+      before%name = ''
+      before%load%set = ''
       do
          call next_data_line(input, is_there)
          if (.not. is_there) exit
-         call new_support(support, '')
-         call locate(input, input%position, support%origin, label)
+         condition%is_held = .false.
+         call new_load(condition%load, '')
+         call locate(input, input%position, condition%load%origin, label)
          call take_fields(input, fields, n)
+         do i = 1, size(values)
+            call take_number(input, fields(i + 2), values(i))
+         end do
          if (allocated(input%error)) return
-         select case (lower_case(fields(2)))
-         case ('encastre', 'pinned')
-            support%is_held(:2) = .true.
-         case ('xsymm')
-            support%is_held(1) = .true.
-         case ('ysymm')
-            support%is_held(2) = .true.
-         case default
-            ! The numbers of the first component and of the last.
-            if (fields(3) == '') fields(3) = fields(2)
-            do i = 1, 2
-               call read_integer(trim(fields(i + 1)), ends(i), ok)
-               if (.not. ok) call input%refuse_line("*BOUNDARY: expected the number of a component, found '"// &
-                  trim(fields(i + 1))//"'")
-            end do
-            support%is_held(:2) = [ends(1) <= 1 .and. ends(2) >= 1, ends(1) <= 2 .and. ends(2) >= 2]
-         end select
-         call take_number(input, fields(4), value)
-         support%displacement = merge(value, 0.0_dp, support%is_held)
-         if (.not. any(support%is_held)) cycle
-         ! Nodes of consecutive lines are one set if they have the same prescribed displacements.
-         call take_nodes(raw, input, '*BOUNDARY', fields(1), label, all(support%is_held .eqv. before%is_held) &
-            .and. .not. any(abs(support%displacement - before%displacement) > 0.0_dp), before%set, support%set)
+         condition%name = '*'//keyword//' '//lower_case(trim(fields(2)))
+         condition%value = values(1)
+         if (keyword == 'dload' .and. any(side_labels == lower_case(fields(2)))) condition%name = '*dload p'
+         if (keyword == 'boundary') then
+            condition%name = '*boundary '
+            condition%value = values(2)
+            call find_held(raw, input, fields, n_dim, condition%is_held)
+            if (.not. any(condition%is_held)) cycle
+         end if
+         ! The set that the line makes, or goes on with.
+         made = '*'//capitals(keyword)//':'//label
+         if (condition%name == before%name .and. all(condition%is_held .eqv. before%is_held) .and. &
+            abs(condition%value - before%value) <= 0.0_dp .and. index(before%load%set, '*') == 1) made = before%load%set
+         if (keyword == 'boundary') then
+            call take_nodes(raw, input, fields(1), made, condition%load%set)
+         else
+            call interpret_load(raw, input, keyword, fields, values, n_dim, made, condition%load)
+         end if
          if (allocated(input%error)) return
-         call replace_earlier(raw, input, '*BOUNDARY', support%set, '', support%is_held(:2))
-         if (support%set /= before%set) call raw%model%add_support(support)
-         before = support
-         if (support%set(1:1) /= '*') before%set = ''
+         call replace_earlier(raw, input, condition)
+         if (index(condition%load%set, '*') /= 1 .or. condition%load%set /= before%load%set) then
+            associate (model => raw%model)
+               if (model%n_conditions == size(model%conditions)) model%conditions = [model%conditions, model%conditions]
+               model%n_conditions = model%n_conditions + 1
+               model%conditions(model%n_conditions) = condition
+            end associate
+         end if
+         before = condition
       end do
-   end subroutine read_boundary
+   end subroutine read_conditions
 
-   !> Finds the nodes of a data line: those of a set, or one by its number. Such a node is put into a new set, or into
-   !> the set of the line before if both have the same values.
-   pure subroutine take_nodes(raw, input, keyword, field, label, is_same, set_before, set)
+   !> Finds the components that a line of `*BOUNDARY` prescribes: from a first to a last one, or by a word.
+   pure subroutine find_held(raw, input, fields, n_dim, is_held)
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file; gains notes
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
+      character(*), intent(in) :: fields(:) !! the fields of the line
+      integer, intent(in) :: n_dim !! number of dimensions
+      logical, intent(out) :: is_held(3) !! whether each component is prescribed; none after a fault
+      integer :: ends(2), i
+      logical :: ok
+
+      is_held = .false.
+      select case (lower_case(fields(2)))
+      case ('encastre', 'pinned')
+         is_held(:n_dim) = .true.
+      case ('xsymm', 'ysymm', 'zsymm')
+         is_held(index('xyz', lower_case(fields(2)(1:1)))) = .true.
+      case default
+         do i = 1, 2
+            call read_integer(trim(fields(merge(2, i + 1, fields(i + 1) == ''))), ends(i), ok)
+            if (.not. ok) call input%refuse_line("*BOUNDARY: expected the number of a component, found '"// &
+               trim(fields(i + 1))//"'")
+         end do
+         if (allocated(input%error)) return
+         is_held = [(ends(1) <= i .and. ends(2) >= i, i=1, 3)]
+         if (n_dim == 3 .and. ends(2) > 3) call raw%add_note( &
+            '*BOUNDARY: components above 3 ignored, which the nodes of solids have not')
+      end select
+      is_held(n_dim + 1:) = .false.
+   end subroutine find_held
+
+   !> Finds the nodes of a data line: those of a set, or one by its number, which is put into the set of the line.
+   pure subroutine take_nodes(raw, input, field, made, set)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the line
-      character(*), intent(in) :: keyword !! the keyword, in capitals with its `*`
       character(*), intent(in) :: field !! the field of the nodes
-      character(*), intent(in) :: label !! number of the line, behind the name of an included file
-      logical, intent(in) :: is_same !! whether the line has the same content as that before
-      character(*), intent(in) :: set_before !! the set that the line before made; empty if it made none
+      character(*), intent(in) :: made !! the set that the line makes: its keyword, a colon, its number
       character(:), allocatable, intent(inout) :: set !! becomes the name of the set
       integer :: group, node
       logical :: is_number
 
       call read_tag(raw, trim(field), node, is_number)
       if (is_number) then
-         set = keyword//':'//label
-         if (is_same .and. set_before /= '') set = set_before
+         set = made
          call raw%get_group(input, set, group)
          if (.not. allocated(input%error)) call raw%groups(group)%node%append(node)
       else
          group = set_of_field(raw, trim(field))
-         if (group == 0) call input%refuse_line(keyword//": there is no set '"//trim(field)//"' above")
+         if (group == 0) call input%refuse_line(made(:index(made, ':') - 1)//": there is no set '"//trim(field)// &
+            "' above")
          if (group > 0) set = raw%groups(group)%name
       end if
    end subroutine take_nodes
 
-   !> Reads loads: nodes, elements or a surface; component or kind; values. Nodes of consecutive lines with the same
-   !> force, and sides with the same pressure, are one set.
-   pure subroutine read_loads(raw, input, keyword, line)
+   !> Makes a load of a line.
+   pure subroutine interpret_load(raw, input, keyword, fields, values, n_dim, made, load)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
-      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: keyword !! 'cload', 'dload' or 'dsload'
-      character(*), intent(in) :: line !! the keyword line
-      character(2), parameter :: side_labels(4) = ['p1', 'p2', 'p3', 'p4'], components(2) = ['1 ', '2 ']
-      character(longest_name) :: fields(most_fields)
-      character(:), allocatable :: label
-      type(load_t) :: load, before
-      real(dp) :: last, values(most_fields - 2)
-      integer :: component, group, i, n, side
-      logical :: is_same, is_there
+      character(*), intent(in) :: fields(:) !! the fields of the line
+      real(dp), intent(in) :: values(:) !! its numbers, from the third field on
+      integer, intent(in) :: n_dim !! number of dimensions
+      character(*), intent(in) :: made !! the set that the line makes
+      type(load_t), intent(inout) :: load !! the load
+      character(*), parameter :: components(*) = ['1', '2', '3']
+      integer :: component, group, side
 
-      call refuse_parameters(input, line)
-      call end_earlier(raw%model, line, '*'//keyword//' ')
-      call new_load(before, '')
-      last = 0.0_dp
-      do
-         call next_data_line(input, is_there)
-         if (.not. is_there) exit
-         call new_load(load, '')
-         call locate(input, input%position, load%origin, label)
-         call take_fields(input, fields, n)
-         do i = 1, size(values)
-            call take_number(input, fields(i + 2), values(i))
-         end do
+      side = findloc(side_labels == lower_case(fields(2)), .true., dim=1)
+      group = set_of_field(raw, trim(fields(1)))
+      if (keyword == 'cload') then
+         load%target = load_on_nodes
+         component = findloc(components(:n_dim) == fields(2), .true., dim=1)
+         if (component == 0) call input%refuse_line('*CLOAD: expected a component from 1 to '//to_text(n_dim)// &
+            ", found '"//trim(fields(2))//"'")
          if (allocated(input%error)) return
-         group = set_of_field(raw, trim(fields(1)))
-         side = findloc(side_labels == lower_case(fields(2)), .true., dim=1)
-         load%name = '*'//keyword//' '//lower_case(trim(fields(2)))
-         if (keyword == 'dload' .and. side > 0) load%name = '*dload p'
-         is_same = load%name == before%name .and. before%set /= '' .and. abs(values(1) - last) <= 0.0_dp
-         if (keyword == 'cload') then
-            load%target = load_on_nodes
-            component = findloc(components == fields(2), .true., dim=1)
-            if (component == 0) then
-               call input%refuse_line("*CLOAD: expected the component 1 or 2, found '"//trim(fields(2))//"'")
-               return
-            end if
-            load%force(component) = values(1)
-            call take_nodes(raw, input, '*CLOAD', fields(1), label, is_same, before%set, load%set)
-         else if (keyword == 'dsload' .and. lower_case(fields(2)) == 'p' .and. group > 0) then
-            load%pressure = values(1)
-            load%set = raw%groups(group)%name
-         else if (keyword == 'dload' .and. side > 0) then
-            load%pressure = values(1)
-            load%set = '*DLOAD:'//label
-            if (is_same) load%set = before%set
-            call take_sides(raw, input, trim(fields(1)), side, load%set)
-         else
-            call interpret_dload(raw, input, keyword, group, fields, values, load)
-         end if
-         if (allocated(input%error)) return
-         call replace_earlier(raw, input, load%name, load%set, load%region)
-         if (load%set == '' .or. load%set /= before%set) call raw%model%add_load(load)
-         before = load
-         last = values(1)
-         if (index(load%set, '*') /= 1) before%set = ''
-      end do
-   end subroutine read_loads
+         load%force(component) = values(1)
+         call take_nodes(raw, input, fields(1), made, load%set)
+      else if (keyword == 'dload' .and. side > 0) then
+         load%pressure = values(1)
+         load%set = made
+         call take_sides(raw, input, trim(fields(1)), side, made)
+      else if (keyword == 'dsload' .and. lower_case(fields(2)) == 'p' .and. group > 0) then
+         load%pressure = values(1)
+         load%set = raw%groups(group)%name
+      else
+         call interpret_dload(raw, input, keyword, group, fields, values, n_dim, load)
+      end if
+   end subroutine interpret_load
 
    !> Adds a side of an element, or of each element of a set, to a set of sides.
    pure subroutine take_sides(raw, input, field, side, set)
@@ -525,69 +560,40 @@ contains
       call raw%groups(group)%side%append_all(spread(side, 1, elements%n))
    end subroutine take_sides
 
-   !> Ends the supports or loads of a keyword that were given before the present step, at OP=NEW.
-   pure subroutine end_earlier(model, line, keyword)
-      type(file_model_t), intent(inout) :: model !! the model
-      character(*), intent(in) :: line !! the keyword line
-      character(*), intent(in) :: keyword !! how the names of the loads begin; empty for supports
-      integer :: i
-
-      if (lower_case(parameter_of(line, 'op')) /= 'new') return
-      do i = 1, merge(model%n_earlier_supports, 0, keyword == '')
-         model%supports(i)%is_held = .false.
-      end do
-      do i = 1, merge(0, model%n_earlier_loads, keyword == '')
-         if (index(model%loads(i)%name, keyword) == 1) model%loads(i)%target = no_load
-      end do
-   end subroutine end_earlier
-
    !> Ends what was given before the present step on nodes, sides or a region for which it is given once more.
-   pure subroutine replace_earlier(raw, input, name, set, region, is_held)
+   pure subroutine replace_earlier(raw, input, given)
       type(raw_mesh_t), intent(inout) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the line
-      character(*), intent(in) :: name !! kind of load, or '*BOUNDARY'
-      character(*), intent(in) :: set !! the set of the line, empty for a region
-      character(*), intent(in) :: region !! its region
-      logical, intent(in), optional :: is_held(2) !! of a support: its components
+      type(file_condition_t), intent(in) :: given !! what is given now
       integer(int64), allocatable :: members(:), others(:)
-      character(:), allocatable :: earlier
       logical, allocatable :: is_kept(:)
       integer :: group, i, k
 
-      do i = 1, merge(raw%model%n_earlier_supports, raw%model%n_earlier_loads, present(is_held))
-         if (present(is_held)) then
-            if (.not. any(raw%model%supports(i)%is_held(:2) .and. is_held)) cycle
-            earlier = raw%model%supports(i)%set
-         else
-            if (raw%model%loads(i)%target == no_load .or. raw%model%loads(i)%name /= name) cycle
-            earlier = raw%model%loads(i)%set
-         end if
-         if (earlier == set .and. present(is_held)) then
-            where (is_held)
-               raw%model%supports(i)%is_held(:2) = .false.
-               raw%model%supports(i)%displacement(:2) = 0.0_dp
-            end where
-            cycle
-         end if
-         if (earlier == set .and. (set /= '' .or. raw%model%loads(i)%region == region)) then
-            raw%model%loads(i)%target = no_load
-            cycle
-         end if
-         if (set /= '') then
-            members = members_of(raw, set)
-            others = members_of(raw, earlier)
-            is_kept = [(all(members /= others(k)), k=1, size(others))]
-            if (all(is_kept)) cycle
-            group = raw%find_group(earlier)
-         end if
-         if (present(is_held)) then
-            ! Supports of a set keep its nodes: they agree with the new ones, or are refused as contradictory.
-            if (earlier(1:1) /= '*' .or. any(raw%model%supports(i)%is_held(:2) .and. .not. is_held)) cycle
-         else if (index(earlier, '*') /= 1) then
-            call input%refuse_line(name(:index(name, ' '))//'after another load of its kind on a part of the same '// &
-               'set or body in an earlier step cannot be used; end that by OP=NEW')
-            return
-         end if
+      do i = 1, raw%model%n_earlier
+         associate (earlier => raw%model%conditions(i))
+            if (earlier%is_ended .or. earlier%name /= given%name) cycle
+            if (any(given%is_held) .and. .not. any(earlier%is_held .and. given%is_held)) cycle
+            if (earlier%load%set == given%load%set .and. earlier%load%region == given%load%region) then
+               earlier%is_held = earlier%is_held .and. .not. given%is_held
+               earlier%is_ended = .not. any(earlier%is_held)
+               cycle
+            end if
+            if (given%load%set /= '') then
+               members = members_of(raw, given%load%set)
+               others = members_of(raw, earlier%load%set)
+               is_kept = [(all(members /= others(k)), k=1, size(others))]
+               if (all(is_kept)) cycle
+               group = raw%find_group(earlier%load%set)
+            end if
+            if (any(given%is_held)) then
+               ! Supports of a set keep its nodes: they agree with the new ones, or are refused as contradictory.
+               if (index(earlier%load%set, '*') /= 1 .or. any(earlier%is_held .and. .not. given%is_held)) cycle
+            else if (index(earlier%load%set, '*') /= 1) then
+               call input%refuse_line(given%name(:index(given%name, ' '))//'after another load of its kind on a '// &
+                  'part of the same set or body in an earlier step cannot be used; end that by OP=NEW')
+               return
+            end if
+         end associate
          call keep(raw%groups(group)%node)
          call keep(raw%groups(group)%cell)
          call keep(raw%groups(group)%side)
@@ -624,13 +630,14 @@ contains
    end function members_of
 
    !> Makes a load of a line of distributed loads on a region.
-   pure subroutine interpret_dload(raw, input, keyword, group, fields, values, load)
+   pure subroutine interpret_dload(raw, input, keyword, group, fields, values, n_dim, load)
       type(raw_mesh_t), intent(in) :: raw !! contents of the file
       type(input_file_t), intent(inout) :: input !! the file, behind the line
       character(*), intent(in) :: keyword !! 'dload' or 'dsload'
       integer, intent(in) :: group !! the set that the line names, 0 for none
       character(*), intent(in) :: fields(:) !! the fields of the line
       real(dp), intent(in) :: values(:) !! its numbers, from the third field on
+      integer, intent(in) :: n_dim !! number of dimensions
       type(load_t), intent(inout) :: load !! the load
       integer :: element
       logical :: is_number
@@ -645,27 +652,30 @@ contains
       if (allocated(input%error)) return
       load%target = load_on_region
       if (group > 0) load%region = raw%groups(group)%name
+      ! A plane body has no force across its plane, and an axis in it or normal to it.
       select case (lower_case(fields(2)))
-      case ('bx')
-         load%body_force(1) = values(1)
-      case ('by')
-         load%body_force(2) = values(1)
+      case ('bx', 'by', 'bz')
+         load%body_force(index('xyz', fields(2)(2:2)) + index('XYZ', fields(2)(2:2))) = values(1)
+         if (n_dim == 2 .and. abs(load%body_force(3)) > 0.0_dp) call input%refuse_line('BZ: the body is plane')
       case ('grav')
-         if (.not. norm2(values(2:4)) > 0.0_dp .or. abs(values(4)) > 0.0_dp) call input%refuse_line( &
-            'GRAV: expected a direction in the plane')
-         if (.not. allocated(input%error)) load%gravity(:2) = values(1)*values(2:3)/norm2(values(2:3))
+         if (.not. norm2(values(2:4)) > 0.0_dp .or. any(abs(values(2 + n_dim:4)) > 0.0_dp)) then
+            call input%refuse_line(trim(merge('GRAV: expected a direction in the plane', &
+               'GRAV: expected a direction             ', n_dim == 2)))
+         else
+            load%gravity = values(1)*values(2:4)/norm2(values(2:4))
+         end if
       case ('centrif')
          ! The square of the angular speed, a point of the axis and its direction. A body of revolution has its own.
          if (values(1) < 0.0_dp) call input%refuse_line('CENTRIF: the square of the angular speed is negative')
          load%angular_speed = sqrt(max(0.0_dp, values(1)))
-         if (raw%hypothesis == 'axisymmetric') then
+         if (raw%hypothesis == 'axisymmetric' .and. n_dim == 2) then
             if (abs(values(2)) > 0.0_dp .or. abs(values(5)) > 0.0_dp) call input%refuse_line( &
                'CENTRIF: a body of revolution spins about its own axis')
             return
          end if
-         load%center(:2) = values(2:3)
-         load%axis(:2) = values(5:6)
-         if (any(abs(load%axis) > 0.0_dp) .and. abs(values(7)) > 0.0_dp) call input%refuse_line( &
+         load%center(:n_dim) = values(2:1 + n_dim)
+         load%axis(:n_dim) = values(5:4 + n_dim)
+         if (any(abs(load%axis) > 0.0_dp) .and. any(abs(values(5 + n_dim:7)) > 0.0_dp)) call input%refuse_line( &
             'CENTRIF: expected an axis in the plane or normal to it')
       case default
          call input%refuse_line('*'//keyword//": loads of the kind '"//trim(fields(2))//"' cannot be used")

@@ -1,7 +1,7 @@
 !> The raw contents of a mesh file: nodes and cells with their numbers in the file, and materials, supports and loads.
 module amontons_file_model
    use amontons_constraints, only: support_t
-   use amontons_element, only: n_element_nodes
+   use amontons_element, only: is_solid, n_element_nodes
    use amontons_input_file, only: input_file_t, printable
    use amontons_integer_list, only: integer_list_t, tag_map_t
    use amontons_kinds, only: dp
@@ -11,8 +11,8 @@ module amontons_file_model
    implicit none (type, external)
    private
 
-   public :: cell_dimension, file_material_t, file_model_t, file_part_t, file_temperatures_t, identity, line2, line3, &
-      longest_name, n_cell_nodes, no_cell, point1, raw_mesh_t
+   public :: cell_dimension, file_condition_t, file_material_t, file_model_t, file_part_t, file_temperatures_t, &
+      identity, line2, line3, longest_name, n_cell_nodes, no_cell, point1, raw_mesh_t
 
    !> Parts of the model that may be read, as a deck names them.
    character(9), parameter, public :: use_names(3) = [character(9) :: 'materials', 'supports', 'loads']
@@ -26,17 +26,10 @@ module amontons_file_model
    !> Largest length of the name of a set or material, as in Abaqus.
    integer, parameter :: longest_name = 80
 
-   !> A material that a file defines, and the section that assigns it to a region.
+   !> A material that a file defines, a section that assigns one to a region, or an orientation of axes.
    type :: file_material_t
-      character(longest_name) :: name = '' !! its name
-      character(longest_name) :: region = '' !! region that it fills; empty until a section names it
-      real(dp) :: young(3) = 0.0_dp !! Young's modulus, or those along three axes; 0 if it is not given [F/L^2]
-      real(dp) :: poisson(3) = 0.0_dp !! Poisson's ratio, or nu12, nu13, nu23 [-]
-      real(dp) :: shear = 0.0_dp !! shear modulus in the plane of axes 1 and 2; 0 if the material is isotropic [F/L^2]
-      real(dp) :: angle = 0.0_dp !! angle of axis 1 to the x axis, counterclockwise [degrees]
-      real(dp) :: density = 0.0_dp !! mass per volume [M/L^3]
-      real(dp) :: expansion(3) = 0.0_dp !! coefficient of thermal expansion along the axes [1/K]
-      real(dp) :: thickness = 1.0_dp !! thickness of the region [L]
+      character(longest_name) :: name = '' !! name of the material or orientation
+      type(material_t) :: material !! its constants; of a section region, thickness and axes; of an orientation the axes
       integer :: place = 0 !! position of the section in the file
    end type file_material_t
 
@@ -50,25 +43,30 @@ module amontons_file_model
       integer :: place = 0 !! position of those of the step in the file; 0 if it has none
    end type file_temperatures_t
 
+   !> A support or a load on nodes, sides or a region, of one line or of several.
+   type :: file_condition_t
+      character(:), allocatable :: name !! keyword and kind, as '*dload p' and '*boundary '
+      logical :: is_held(3) = .false. !! of a support: the components that are prescribed
+      real(dp) :: value = 0.0_dp !! of a support: their displacement; of a load: its first number
+      type(load_t) :: load !! the load; of a support its set and origin
+      logical :: is_ended = .false. !! whether a later step has ended it
+   end type file_condition_t
+
    !> Materials, supports and loads of a mesh file.
    type :: file_model_t
       logical :: is_used(size(use_names)) = .false. !! what is read
       type(file_material_t), allocatable :: definitions(:) !! the materials that the file defines
       type(file_material_t), allocatable :: sections(:) !! the sections
-      type(file_material_t), allocatable :: orientations(:) !! the axes of materials: their names and angles
+      type(file_material_t), allocatable :: orientations(:) !! the axes of materials
       type(file_temperatures_t) :: temperatures !! the temperatures of the nodes
       type(material_t), allocatable :: materials(:) !! the material of each section, once the file is read
-      type(support_t), allocatable :: supports(:) !! the supports, and room for more
-      type(load_t), allocatable :: loads(:) !! the loads, and room for more
-      integer :: n_supports = 0 !! number of supports
-      integer :: n_loads = 0 !! number of loads
+      type(file_condition_t), allocatable :: conditions(:) !! the supports and loads, and room for more
+      integer :: n_conditions = 0 !! number of supports and loads
+      integer :: n_earlier = 0 !! number of those given before the present step
+      type(support_t), allocatable :: supports(:) !! the supports, once the file is read
+      type(load_t), allocatable :: loads(:) !! the loads, once the file is read
       integer :: n_steps = 0 !! number of steps
       integer :: step = 0 !! step that is used, with what it keeps of those before; 0 if there is only one
-      integer :: n_earlier_supports = 0 !! number of supports given before the present step
-      integer :: n_earlier_loads = 0 !! number of loads given before the present step
-   contains
-      procedure :: add_load => file_model_add_load
-      procedure :: add_support => file_model_add_support
    end type file_model_t
 
    !> Kind of a cell that is ignored.
@@ -147,29 +145,10 @@ module amontons_file_model
       procedure :: expect_members => raw_mesh_expect_members
       procedure :: find_group => raw_mesh_find_group
       procedure :: get_group => raw_mesh_get_group
+      procedure :: n_dim => raw_mesh_n_dim
    end type raw_mesh_t
 
 contains
-
-   !> Adds a support that the mesh file prescribes.
-   pure subroutine file_model_add_support(self, support)
-      class(file_model_t), intent(inout) :: self !! the model
-      type(support_t), intent(in) :: support !! the support
-
-      if (self%n_supports == size(self%supports)) self%supports = [self%supports, self%supports]
-      self%n_supports = self%n_supports + 1
-      self%supports(self%n_supports) = support
-   end subroutine file_model_add_support
-
-   !> Adds a load that the mesh file prescribes.
-   pure subroutine file_model_add_load(self, load)
-      class(file_model_t), intent(inout) :: self !! the model
-      type(load_t), intent(in) :: load !! the load
-
-      if (self%n_loads == size(self%loads)) self%loads = [self%loads, self%loads]
-      self%n_loads = self%n_loads + 1
-      self%loads(self%n_loads) = load
-   end subroutine file_model_add_load
 
    !> Number of nodes of a kind of cell.
    elemental integer function n_cell_nodes(kind)
@@ -179,13 +158,20 @@ contains
       if (kind > 0) n_cell_nodes = n_element_nodes(kind)
    end function n_cell_nodes
 
-   !> Dimension of a kind of cell: 0 for points, 1 for lines, 2 for plane elements.
+   !> Dimension of a kind of cell: 0 for points, 1 for lines, 2 for plane elements, 3 for solids.
    elemental integer function cell_dimension(kind)
       integer, intent(in) :: kind !! the kind
 
       cell_dimension = merge(0, 1, kind == point1)
-      if (kind > 0) cell_dimension = 2
+      if (kind > 0) cell_dimension = merge(3, 2, is_solid(kind))
    end function cell_dimension
+
+   !> Number of dimensions of the mesh, 2 or 3. Cells of this dimension are its elements, others name sides and nodes.
+   pure integer function raw_mesh_n_dim(self) result(n_dim)
+      class(raw_mesh_t), intent(in) :: self !! the raw mesh
+
+      n_dim = max(2, maxval(cell_dimension(self%cell_kind%items())))
+   end function raw_mesh_n_dim
 
    !> Adds a note, unless it is there already.
    pure subroutine raw_mesh_add_note(self, sentence)

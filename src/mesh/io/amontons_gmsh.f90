@@ -1,7 +1,7 @@
 !> Meshes in Gmsh's MSH format, versions 2.2, 4.0 and 4.1, text and binary: types of elements and which of them are
 !> supported; physical groups with their cells and names; entities, nodes and elements.
 module amontons_gmsh
-   use amontons_element, only: max_nodes, quad4, quad8, quad9, tri3, tri6
+   use amontons_element, only: hex20, hex8, max_nodes, quad4, quad8, quad9, tet10, tet4, tri3, tri6
    use amontons_file_model, only: cell_dimension, line2, line3, n_cell_nodes, no_cell, point1, raw_mesh_t
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t
@@ -15,8 +15,11 @@ module amontons_gmsh
    !> Versions of the format, times ten.
    integer, parameter :: msh_22 = 22, msh_40 = 40, msh_41 = 41
    !> Kind of cell for each of Gmsh's first element types; `no_cell` for those that are not supported.
-   integer, parameter :: kind_of_type(*) = [line2, tri3, quad4, no_cell, no_cell, no_cell, no_cell, line3, tri6, &
-      quad9, no_cell, no_cell, no_cell, no_cell, point1, quad8]
+   integer, parameter :: kind_of_type(*) = [line2, tri3, quad4, tet4, hex8, no_cell, no_cell, line3, tri6, quad9, &
+      tet10, no_cell, no_cell, no_cell, point1, quad8, hex20]
+   !> Places of the nodes of quadratic solids in Gmsh's order.
+   integer, parameter :: order_tet10(*) = [1, 2, 3, 4, 5, 6, 7, 8, 10, 9], order_hex20(*) = [1, 2, 3, 4, 5, 6, 7, 8, &
+      9, 12, 14, 10, 17, 19, 20, 18, 11, 13, 15, 16]
 
    !> The physical groups of one dimension.
    type :: groups_t
@@ -82,19 +85,23 @@ contains
       type(groups_t), intent(in) :: groups(:) !! the physical groups of each dimension
       integer, intent(in) :: version !! version of the format
       logical, allocatable :: is_dropped(:)
-      integer :: group, n_elements
+      integer :: group, n_dim, n_elements
 
       if (raw%n_groups > 0 .and. version == msh_22 .and. all(groups%latest == 0)) call input%refuse( &
          'no element belongs to any of the named physical groups, as version 2.2 leaves it with Mesh.SaveAll: '// &
          'save without that, or as version 4.1')
-      is_dropped = raw%cell_kind%items() > 0
+      n_dim = raw%n_dim()
+      if (any(raw%cell_kind%items() == quad9) .and. n_dim == 3) call input%refuse( &
+         'faces of 9 nodes (Gmsh type 10): mesh solids with Mesh.SecondOrderIncomplete = 1')
+      is_dropped = cell_dimension(raw%cell_kind%items()) == n_dim
       n_elements = count(is_dropped)
       do group = 1, raw%n_groups
          is_dropped(raw%groups(group)%cell%items()) = .false.
       end do
       if (all(count(is_dropped) /= [integer :: 0, n_elements])) then
          where (is_dropped) raw%cell_kind%item(:raw%cell_kind%n) = no_cell
-         call raw%add_note(counted(count(is_dropped), 'element')//' outside the physical surfaces left out')
+         call raw%add_note(counted(count(is_dropped), 'element')//' outside the physical '// &
+            trim(merge('volumes ', 'surfaces', n_dim == 3))//' left out')
       end if
    end subroutine keep_groups
 
@@ -102,7 +109,6 @@ contains
    pure subroutine take_cell_kind(input, kind)
       type(input_file_t), intent(inout) :: input !! the file, at the type
       integer, intent(out) :: kind !! kind of the cell, `no_cell` where there is a fault
-      character(:), allocatable :: solid
       integer :: type, place
 
       place = input%position
@@ -111,20 +117,18 @@ contains
       if (type >= 1 .and. type <= size(kind_of_type)) kind = kind_of_type(type)
       if (kind /= no_cell) return
       select case (type)
-      case (4:7, 11:14, 17:19, 29:33)
-         solid = 'solid element'
-         if (any(type == [4, 11, 29, 30, 31])) solid = 'tetrahedron'
-         if (any(type == [5, 12, 17])) solid = 'hexahedron'
-         if (any(type == [6, 13, 18])) solid = 'prism'
-         if (any(type == [7, 14, 19])) solid = 'pyramid'
-         call input%refuse('3-D mesh: found a '//solid//' (Gmsh type '//to_text(type)// &
-            '), expected plane elements', place)
-      case (20:28, 36:40)
+      case (6, 7, 13, 14, 18, 19)
+         call input%refuse('prisms and pyramids (Gmsh type '//to_text(type)//') are not supported: mesh volumes '// &
+            'with tetrahedra, or extrude Layers with Recombine over quadrilaterals', place)
+      case (12)
+         call input%refuse('hexahedra of 27 nodes (Gmsh type 12) are not supported: mesh with '// &
+            'Mesh.SecondOrderIncomplete = 1', place)
+      case (20:33, 36:40, 92, 93)
          call input%refuse('elements of third or higher order (Gmsh type '//to_text(type)//') are not supported; '// &
             'mesh with -order 1 or 2', place)
       case default
          call input%refuse('elements of Gmsh type '//to_text(type)//' are not supported: expected points (15), '// &
-            'lines (1, 8), triangles (2, 9), quadrilaterals (3, 10, 16)', place)
+            'lines (1, 8), triangles (2, 9), quadrilaterals (3, 10, 16), tetrahedra (4, 11), hexahedra (5, 17)', place)
       end select
    end subroutine take_cell_kind
 
@@ -156,7 +160,7 @@ contains
             do i = 1, n_more
                call input%take_integer(group, 'a physical group')
                if (allocated(input%error)) return
-               if (dimension == 3 .or. group == 0) cycle
+               if (group == 0) cycle
                call groups(dimension)%entity%append(entity)
                call groups(dimension)%entity_tag%append(abs(group))
             end do
@@ -303,6 +307,8 @@ contains
          if (version == msh_22) then
             if (is_twin(raw, kind, own)) return
          end if
+         if (kind == tet10) own = own(order_tet10)
+         if (kind == hex20) own = own(order_hex20)
          call raw%add_cell(kind, tag, place, own)
       end associate
    end subroutine take_cell
@@ -466,7 +472,8 @@ contains
       if (raw%node_tag%n == 0) call input%refuse('the file has no section $Nodes with nodes in it')
       if (raw%cell_tag%n == 0) call input%refuse('the file has no section $Elements with elements in it')
       if (all(raw%cell_kind%items() < 0)) call input%refuse( &
-         'no triangles or quadrilaterals: once there are physical groups, Gmsh saves only the surfaces in them')
+         'no triangles, quadrilaterals, tetrahedra or hexahedra: once there are physical groups, Gmsh saves only '// &
+         'what is in them')
       if (.not. allocated(input%error)) call keep_groups(raw, input, groups, version)
    end subroutine read_gmsh
 
@@ -535,7 +542,7 @@ contains
             'expected the name of a physical group in double quotes', place)
          if (allocated(input%error)) return
          name = trim(adjustl(name(2:len(name) - 1)))
-         if (dimension == 3 .or. len(name) == 0) cycle
+         if (len(name) == 0) cycle
          if (any(groups(dimension)%tag%items() == tag)) call input%refuse('a physical group is named twice', &
             input%position - 1)
          call find_group(groups(dimension), raw, input, tag, name)

@@ -6,8 +6,8 @@
 !> between them. The sides on both faces of a slit, and those at hanging nodes, are then boundary sides, so that only
 !> these are searched.
 module amontons_mesh_cleanup
-   use amontons_element, only: is_triangle, mapped_square, n_corners, n_element_nodes, quad4, quad8, side_nodes, tri3, &
-      tri6
+   use amontons_element, only: corner_kind, is_solid, mapped_square, n_corners, n_element_nodes, n_side_corners, &
+      quad4, quad8, side_nodes, tet4, tri3, tri6
    use amontons_error, only: input_refused, new_error
    use amontons_file_model, only: cell_dimension, n_cell_nodes, raw_mesh_t
    use amontons_input_file, only: input_file_t
@@ -135,7 +135,7 @@ contains
       type(side_table_t) :: table
       type(incoming_sides_t) :: incoming
       integer, allocatable :: cell_of(:), piece(:)
-      integer :: cell, element, i, n_pieces, node
+      integer :: cell, element, i, n_dim, n_pieces, node
 
       call check_tags(input, 'node', raw%node_tag%items(), raw%node_place%items())
       call check_tags(input, 'element', raw%cell_tag%items(), raw%cell_place%items())
@@ -150,9 +150,10 @@ contains
          end do
          if (allocated(input%error)) return
       end do
-      call connect_elements(mesh, raw, input, cell_of)
+      n_dim = raw%n_dim()
+      call connect_elements(mesh, raw, input, n_dim, cell_of)
       if (allocated(input%error)) return
-      call place_nodes(mesh, raw, input, renumbering%node)
+      call place_nodes(mesh, raw, input, n_dim, renumbering%node)
       if (allocated(input%error)) return
       call turn_elements(mesh, raw, input, cell_of)
       if (allocated(input%error)) return
@@ -160,11 +161,11 @@ contains
       if (allocated(input%error)) return
       call number_pieces(mesh, piece, n_pieces)
       mesh%has_pieces = n_pieces > 1
-      call warn_of_slits(mesh, table, incoming)
+      if (n_dim == 2) call warn_of_slits(mesh, table, incoming)
       allocate (renumbering%element(raw%cell_tag%n), source=0)
       renumbering%element(cell_of) = [(element, element=1, mesh%n_elements)]
       call name_sets(mesh, raw, input, table, renumbering)
-      mesh%hypothesis = raw%hypothesis
+      if (n_dim == 2) mesh%hypothesis = raw%hypothesis
       if (allocated(raw%warning)) call mesh%warnings%add(raw%warning)
    end subroutine new_clean_mesh
 
@@ -197,17 +198,19 @@ contains
 
    !> Makes elements of the cells of the highest dimension; their nodes are still indices in the list of the raw mesh. A
    !> quadrilateral of which one side has a single node is a triangle.
-   pure subroutine connect_elements(mesh, raw, input, cell_of)
+   pure subroutine connect_elements(mesh, raw, input, n_dim, cell_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: n_dim !! number of dimensions
       integer, allocatable, intent(out) :: cell_of(:) !! cell of each element (n_elements)
       integer, allocatable :: nodes(:)
       integer :: cell, element, first, i, kind, n, n_collapsed, side
 
-      cell_of = pack([(cell, cell=1, raw%cell_tag%n)], cell_dimension(raw%cell_kind%items()) == 2)
+      cell_of = pack([(cell, cell=1, raw%cell_tag%n)], cell_dimension(raw%cell_kind%items()) == n_dim)
       mesh%n_elements = size(cell_of)
-      if (mesh%n_elements == 0) call input%refuse('the file holds no triangles or quadrilaterals', len(input%text))
+      if (mesh%n_elements == 0) call input%refuse( &
+         'the file holds no triangles, quadrilaterals, tetrahedra or hexahedra', len(input%text))
       mesh%element_kind = raw%cell_kind%item(cell_of)
       allocate (mesh%node_start(mesh%n_elements + 1), mesh%node(sum(n_element_nodes(mesh%element_kind))))
       n = 0
@@ -218,10 +221,13 @@ contains
          nodes = raw%node%item(first:first + n_element_nodes(kind) - 1)
          side = 0
          if (kind == quad4 .or. kind == quad8) side = findloc(nodes(:4) == cshift(nodes(:4), 1), .true., dim=1)
-         if (side > 0 .and. all(nodes(4 + side:size(nodes):4) == nodes(side))) then
-            n_collapsed = n_collapsed + 1
-            nodes = pack(nodes, [(mod(i - side, 4) /= 0, i=1, size(nodes))])
-            mesh%element_kind(element) = merge(tri3, tri6, kind == quad4)
+         if (side > 0) then
+            ! The node in the middle of this side is the same, too.
+            if (all(nodes(4 + side:size(nodes):4) == nodes(side))) then
+               n_collapsed = n_collapsed + 1
+               nodes = pack(nodes, [(mod(i - side, 4) /= 0, i=1, size(nodes))])
+               mesh%element_kind(element) = merge(tri3, tri6, kind == quad4)
+            end if
          end if
          do i = 2, size(nodes)
             if (any(nodes(:i - 1) == nodes(i))) call refuse_cell(input, raw, cell_of(element), 'names node '// &
@@ -237,12 +243,13 @@ contains
          ' with two corners at one node read as a triangle')
    end subroutine connect_elements
 
-   !> Keeps the nodes of elements. Refuses coordinates that are out of range or outside of the plane z = constant of the
-   !> first node.
-   pure subroutine place_nodes(mesh, raw, input, node_of)
+   !> Keeps the nodes of elements. Refuses coordinates that are out of range or, without solid elements, outside of the
+   !> plane z = constant of the first node.
+   pure subroutine place_nodes(mesh, raw, input, n_dim, node_of)
       type(mesh_t), intent(inout) :: mesh !! the mesh, its elements connected; they get the mesh's node numbers
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
+      integer, intent(in) :: n_dim !! number of dimensions
       integer, allocatable, intent(out) :: node_of(:) !! node of the mesh of each node of the raw mesh, 0 for none
       integer, allocatable :: kept(:)
       real(dp) :: lowest(3), highest(3), x(3), allowed
@@ -256,7 +263,7 @@ contains
          counted(size(node_of) - mesh%n_nodes, 'node')//' without an element left out')
       node_of(kept) = [(node, node=1, mesh%n_nodes)]
       mesh%node = node_of(mesh%node)
-      mesh%coordinates = raw%coordinates(:2, kept)
+      mesh%coordinates = raw%coordinates(:n_dim, kept)
       mesh%node_tag = raw%node_tag%item(kept)
       lowest = largest_coordinate
       highest = -largest_coordinate
@@ -269,11 +276,12 @@ contains
          highest = max(highest, x)
       end do
       allowed = input_rounding*maxval(highest(:2) - lowest(:2))
-      if (highest(3) - lowest(3) <= allowed) return
+      if (n_dim == 3 .or. highest(3) - lowest(3) <= allowed) return
       node = findloc(abs(raw%coordinates(3, kept) - raw%coordinates(3, kept(1))) > 0.5_dp*allowed, .true., dim=1)
       call input%refuse('node '//to_text(mesh%node_tag(node))//' lies at z = '// &
          to_text(raw%coordinates(3, kept(node)))//', node '//to_text(mesh%node_tag(1))//' at z = '// &
-         to_text(raw%coordinates(3, kept(1)))//': the body must lie in a plane z = constant', &
+         to_text(raw%coordinates(3, kept(1)))//': the body must lie in a plane z = constant, unless it has '// &
+         'tetrahedra or hexahedra', &
          raw%node_place%item(kept(node)))
    end subroutine place_nodes
 
@@ -284,37 +292,53 @@ contains
       type(raw_mesh_t), intent(inout) :: raw !! the raw mesh
       type(input_file_t), intent(inout) :: input !! the file
       integer, intent(in) :: cell_of(:) !! cell of each element (n_elements)
-      ! The nodes of triangles and quadrilaterals in the other order round the first corner.
-      integer, parameter :: triangle(*) = [1, 3, 2, 6, 5, 4], quadrilateral(*) = [1, 4, 3, 2, 8, 7, 6, 5, 9]
+      ! The nodes of each shape in the other order round the first corner.
+      integer, parameter :: triangle(*) = [1, 3, 2, 6, 5, 4], quadrilateral(*) = [1, 4, 3, 2, 8, 7, 6, 5, 9], &
+         tetrahedron(*) = [1, 3, 2, 4, 7, 6, 5, 8, 10, 9], hexahedron(*) = [1, 4, 3, 2, 5, 8, 7, 6, 12, 11, 10, 9, 16, &
+         15, 14, 13, 17, 20, 19, 18]
+      character(:), allocatable :: shape
       type(jacobian_reference_t), allocatable :: reference(:)
-      integer :: element, kind, n_turned
+      integer :: element, kind, n_dim, n_turned
 
+      n_dim = size(mesh%coordinates, 1)
       n_turned = 0
       call new_jacobian_references(reference, mesh)
       do element = 1, mesh%n_elements
          kind = mesh%element_kind(element)
-         if (jacobian_determinant(mesh, element, mapped_square(kind, spread(0.5_dp, 1, 2))) < 0.0_dp) then
+         if (jacobian_determinant(mesh, element, mapped_square(kind, spread(0.5_dp, 1, n_dim))) < 0.0_dp) then
             n_turned = n_turned + 1
             associate (nodes => mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1))
-               if (is_triangle(kind)) nodes = nodes(triangle(:size(nodes)))
-               if (.not. is_triangle(kind)) nodes = nodes(quadrilateral(:size(nodes)))
+               select case (corner_kind(kind))
+               case (tri3)
+                  nodes = nodes(triangle(:size(nodes)))
+               case (quad4)
+                  nodes = nodes(quadrilateral(:size(nodes)))
+               case (tet4)
+                  nodes = nodes(tetrahedron(:size(nodes)))
+               case default
+                  nodes = nodes(hexahedron(:size(nodes)))
+               end select
             end associate
          end if
          if (.not. mesh%is_turned_over(element, reference)) cycle
+         shape = ': its corners must go round a convex area'
+         if (is_solid(kind)) shape = ': its corners must be those of a convex solid, in the order of its type'
          if (n_corners(kind) == n_element_nodes(kind)) then
-            call refuse_cell(input, raw, cell_of(element), 'is degenerate: its corners must go round a convex area')
+            shape = 'is degenerate'//shape
          else
-            call refuse_cell(input, raw, cell_of(element), 'is folded: its corners must go round a convex area, '// &
-               'and the nodes in the middle of its sides lie near the middle')
+            shape = 'is folded'//shape//', and the nodes in the middle of its sides lie near the middle'
+            if (is_solid(kind)) shape = shape//'; Gmsh mends most by Mesh.HighOrderOptimize = 2'
          end if
+         call refuse_cell(input, raw, cell_of(element), shape)
          return
       end do
-      if (n_turned > 0) call raw%add_note(counted(n_turned, 'clockwise element')//' turned round')
+      if (n_turned > 0) call raw%add_note(counted(n_turned, trim(merge('left-handed', 'clockwise  ', &
+         n_dim == 3))//' element')//' turned round')
    end subroutine turn_elements
 
    !> Refuses overlapping elements, hanging nodes, and neighbors with different nodes in the middle of their common
    !> side. At a hanging node shorter sides lead from one end of an element's side to the other along it; a slit, with
-   !> nodes on both faces, is no hanging node, nor is its tip.
+   !> nodes on both faces, is no hanging node, nor is its tip. In space, hanging nodes are not looked for.
    pure subroutine check_neighbors(mesh, raw, input, cell_of, table, incoming)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(raw_mesh_t), intent(in) :: raw !! the raw mesh
@@ -323,7 +347,7 @@ contains
       type(side_table_t), intent(out) :: table !! the sides of the elements
       type(incoming_sides_t), intent(out) :: incoming !! those of the boundary
       integer, allocatable :: one(:), other(:)
-      integer :: elements(2), i, node, number, numbers(2), overlapping(2), side
+      integer :: elements(2), i, n_lines, node, number, numbers(2), overlapping(2), side
 
       call new_side_table(table, mesh, overlapping)
       if (overlapping(1) > 0) then
@@ -333,7 +357,8 @@ contains
       end if
       allocate (incoming%start(table%n_sides), incoming%before(table%n_sides), source=0)
       allocate (incoming%last(mesh%n_nodes), source=0)
-      do side = 1, table%n_sides
+      n_lines = merge(table%n_sides, 0, size(mesh%coordinates, 1) == 2)
+      do side = 1, n_lines
          number = table%boundary(side)
          if (number == 0) cycle
          one = mesh%side(side_element(number), side_place(number))
@@ -341,7 +366,7 @@ contains
          incoming%before(side) = incoming%last(one(2))
          incoming%last(one(2)) = side
       end do
-      do side = 1, table%n_sides
+      do side = 1, n_lines
          number = table%boundary(side)
          if (number == 0) cycle
          one = mesh%side(side_element(number), side_place(number))
@@ -420,7 +445,7 @@ contains
          associate (left_out => [members%n_inside, members%n_elsewhere, members%n_unused])
             if (left_out(1) > 0) call raw%add_note(label//': '//counted(left_out(1), 'side')// &
                ' inside the body left out')
-            if (left_out(2) > 0) call raw%add_note(label//': '//counted(left_out(2), 'line')// &
+            if (left_out(2) > 0) call raw%add_note(label//': '//counted(left_out(2), noun_of_sides(raw))// &
                ' without an element left out')
             if (left_out(3) > 0) call raw%add_note(label//': '//counted(left_out(3), 'node')// &
                ' without an element left out')
@@ -450,18 +475,18 @@ contains
       what = ''
       if (is_empty .or. members%n_unused > 0) what = counted(max(1, members%n_unused), 'node')// &
          ' of no element cannot be used'//cure
-      if (members%n_elsewhere > 0) what = counted(members%n_elsewhere, 'line')//' of no element cannot be used'
+      if (members%n_elsewhere > 0) what = counted(members%n_elsewhere, noun_of_sides(raw))// &
+         ' of no element cannot be used'
       if (members%n_inside > 0) what = counted(members%n_inside, 'side')//' inside the body, between two elements, '// &
          'cannot be used'
       if (what == '') return
       associate (model => raw%model, name => raw%groups(group)%name)
-         do i = 1, model%n_loads
-            if (model%loads(i)%set == name .and. .not. allocated(input%error)) call new_error(input%error, &
-               input_refused, model%loads(i)%origin//'a load on '//what)
-         end do
-         do i = 1, merge(model%n_supports, 0, is_empty)
-            if (model%supports(i)%set == name .and. .not. allocated(input%error)) call new_error(input%error, &
-               input_refused, model%supports(i)%origin//'a support of '//what)
+         do i = 1, model%n_conditions
+            associate (given => model%conditions(i))
+               if (given%is_ended .or. given%load%set /= name .or. (any(given%is_held) .and. .not. is_empty)) cycle
+               if (.not. allocated(input%error)) call new_error(input%error, input_refused, given%load%origin// &
+                  trim(merge('a support of', 'a load on   ', any(given%is_held)))//' '//what)
+            end associate
          end do
       end associate
    end subroutine refuse_lost
@@ -477,7 +502,7 @@ contains
       type(renumbering_t), intent(in) :: renumbering !! from the raw mesh to the mesh
       integer, intent(in) :: group !! number of the group
       integer, allocatable :: nodes(:), on_side(:)
-      integer :: cell, i, k, kind, left, right, side
+      integer :: cell, i, k, kind, left, n, right, side
 
       do i = 1, raw%groups(group)%cell%n
          cell = raw%groups(group)%cell%item(i)
@@ -488,18 +513,23 @@ contains
             if (renumbering%element(cell) > 0 .or. members%of_cell(cell) == group) cycle
             members%of_cell(cell) = group
             nodes = [(k, k=1, n_cell_nodes(kind))]
+            n = 2
+            if (cell_dimension(kind) == 2) n = n_corners(kind)
          else
+            n = n_side_corners(kind)
             nodes = side_nodes(kind, side)
             nodes = pack(nodes, nodes > 0)
          end if
          nodes = renumbering%node(raw%node%item(raw%cell_start%item(cell) - 1 + nodes))
-         if (cell_dimension(kind) == 0) then
-            call put_node(members, nodes(1), group)
+         if (side == 0 .and. cell_dimension(kind) < size(mesh%coordinates, 1) - 1) then
+            do k = 1, size(nodes)
+               call put_node(members, nodes(k), group)
+            end do
             cycle
          end if
          ! The side of a quadrilateral that is a triangle.
          if (nodes(1) == nodes(2)) cycle
-         call find_side(table, nodes, left, right)
+         call find_side(table, nodes, n, left, right)
          if (min(left, right) > 0) then
             members%n_inside = members%n_inside + 1
          else if (max(left, right) == 0) then
@@ -508,26 +538,35 @@ contains
             call members%sides%put(max(left, right), group)
             on_side = mesh%side(side_element(max(left, right)), side_place(max(left, right)))
             if (count(on_side > 0) == size(nodes) .and. any([(all(on_side /= nodes(k)), k=1, size(nodes))])) call &
-               input%refuse('line '//to_text(raw%cell_tag%item(cell))// &
+               input%refuse(noun_of_sides(raw)//' '//to_text(raw%cell_tag%item(cell))// &
                ' has another middle node than the element at its side', raw%cell_place%item(cell))
          end if
       end do
    end subroutine collect_cells
 
-   !> Finds the sides of elements to the left and to the right of a line.
-   pure subroutine find_side(table, nodes, left, right)
+   !> What a cell is called that is a side of elements.
+   pure function noun_of_sides(raw) result(noun)
+      type(raw_mesh_t), intent(in) :: raw !! the raw mesh
+      character(4) :: noun
+
+      noun = merge('face', 'line', raw%n_dim() == 3)
+   end function noun_of_sides
+
+   !> Finds the sides of elements on both sides of a line or face.
+   pure subroutine find_side(table, nodes, n, left, right)
       type(side_table_t), intent(in) :: table !! the sides of the elements
-      integer, intent(inout) :: nodes(:) !! nodes of the line; on return the corners are the first
-      integer, intent(out) :: left !! number of the side on the left, 0 for none
-      integer, intent(out) :: right !! number of the side on the right, 0 for none
+      integer, intent(inout) :: nodes(:) !! its nodes; on return the corners are the first
+      integer, intent(in) :: n !! number of its corners
+      integer, intent(out) :: left !! number of the side of the element on the left, 0 for none
+      integer, intent(out) :: right !! number of the side of the element on the right, 0 for none
 
       left = 0
       right = 0
-      if (all(nodes(:2) > 0)) call table%find(nodes(:2), left, right)
-      if (size(nodes) /= 3 .or. max(left, right) > 0) return
+      if (all(nodes(:n) > 0)) call table%find(nodes(:n), left, right)
+      if (n > 2 .or. size(nodes) /= 3 .or. max(left, right) > 0) return
       ! Some programs give the middle second.
       nodes = nodes([1, 3, 2])
-      if (all(nodes(:2) > 0)) call table%find(nodes(:2), left, right)
+      if (all(nodes(:n) > 0)) call table%find(nodes(:n), left, right)
    end subroutine find_side
 
    !> Collects the nodes of a group and, if the group names no sides otherwise, the boundary sides between these nodes.
@@ -539,7 +578,8 @@ contains
       type(side_table_t), intent(in) :: table !! the sides of the elements
       type(renumbering_t), intent(in) :: renumbering !! from the raw mesh to the mesh
       integer, intent(in) :: group !! number of the group
-      integer :: i, node, nodes(3), number, place
+      integer, allocatable :: nodes(:)
+      integer :: i, node, number, place
 
       do i = 1, raw%groups(group)%node%n
          node = renumbering%place%find(raw%groups(group)%node%item(i))
@@ -556,8 +596,7 @@ contains
             place = table%sides(place)%before
             if (number == 0) cycle
             nodes = mesh%side(side_element(number), side_place(number))
-            if (nodes(3) == 0) nodes(3) = nodes(1)
-            if (all(members%nodes%stamp(nodes) == group)) call members%sides%put(number, group)
+            if (all(members%nodes%stamp(pack(nodes, nodes > 0)) == group)) call members%sides%put(number, group)
          end do
       end do
    end subroutine collect_nodes

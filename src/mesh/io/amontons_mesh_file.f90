@@ -97,7 +97,8 @@ contains
          parents%weight = [first%weight, parents%weight]
          mesh%parents = parents
       end if
-      mesh%coordinates = reshape([mesh%coordinates, other%coordinates], [2, mesh%n_nodes + other%n_nodes])
+      mesh%coordinates = reshape([mesh%coordinates, other%coordinates], [size(mesh%coordinates, 1), &
+         mesh%n_nodes + other%n_nodes])
       mesh%node_start = [mesh%node_start, size(mesh%node) + other%node_start(2:)]
       mesh%node = [mesh%node, mesh%n_nodes + other%node]
       mesh%element_kind = [mesh%element_kind, other%element_kind]
@@ -281,6 +282,9 @@ contains
       do i = 2, size(parts)
          if (.not. allocated(error)) call new_part(other, parts(i), n_common, more, error)
          if (allocated(error)) return
+         if (size(mesh%coordinates, 1) /= size(other%coordinates, 1)) call new_error(error, input_refused, &
+            parts(i)%place//'one &mesh is plane, and another one has solid elements')
+         if (allocated(error)) return
          call append_mesh(mesh, other, error)
          if (allocated(error)) error%message = parts(i)%place//error%message
          if (len(notes) > 0 .and. len(more) > 0) notes = notes//newline
@@ -305,6 +309,10 @@ contains
          call read_mesh_file(mesh, part%file, notes, error, part%is_used, part%step)
       else
          call new_rectangle_mesh(mesh, part%rectangle, error)
+      end if
+      if (.not. allocated(error)) then
+         if (size(mesh%coordinates, 1) == 3) call new_error(error, input_refused, part%file// &
+            ': its elements are solids, which are read, but not computed yet')
       end if
       if (allocated(error)) error%message = part%place//error%message
       if (allocated(error)) return
