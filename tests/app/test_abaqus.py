@@ -105,6 +105,7 @@ REFUSED = [
     ("*DLOAD\nnone, BX, 1.\n", "loads", "*dload: there is no set 'none' above"),
     ("*DLOAD\neall, P1NU, 1.\n", "loads", "*dload: loads of the kind 'P1NU' cannot be used"),
     ("*DLOAD\neall, GRAV, 1., 0., 0., -1.\n", "loads", "GRAV: expected a direction in the plane"),
+    ("*DLOAD\neall, BZ, 1.\n", "loads", "BZ: the body is plane"),
     ("*DLOAD\neall, CENTRIF, -1., 0., 0., 0., 0., 0., 1.\n", "loads",
      "CENTRIF: the square of the angular speed is negative"),
     ("*DLOAD\neall, CENTRIF, 1., 0., 0., 0., 1., 0., 1.\n", "loads",
