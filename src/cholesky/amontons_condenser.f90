@@ -214,14 +214,19 @@ contains
       condition = self%matrix_norm*inverse_norm
    end function condenser_condition
 
-   !> Two arbitrary vectors, which no motion of a body resembles: sine and cosine of a phase that grows with the square
-   !> of the number of the unknown (unknowns, 2).
+   !> Two arbitrary vectors between -1.25 and 1.25, which no motion of a body resembles: fractions of multiples of the
+   !> square of the number of the unknown, in whole numbers, so that all ranks find the same (unknowns, 2).
    pure function known_solutions(unknown) result(solutions)
       integer, intent(in) :: unknown(:) !! numbers of the unknowns
       real(dp) :: solutions(size(unknown), 2)
+      ! The fractions of the golden ratio and of the root of 2, times 2**31.
+      integer(int64), parameter :: period = 2_int64**31, factor(2) = [1327217885_int64, 889516853_int64]
+      integer :: i
 
-      solutions(:, 1) = sin(real(unknown, dp)**2)
-      solutions(:, 2) = cos(real(unknown, dp)**2)
+      do i = 1, 2
+         solutions(:, i) = 2.5_dp*real(iand(factor(i)*iand(int(unknown, int64)**2, period - 1), period - 1), dp) &
+            /real(period, dp) - 1.25_dp
+      end do
    end function known_solutions
 
    !> Refuses a factor that does not give the known solutions back. That of a singular matrix has a pivot of rounding
@@ -259,7 +264,7 @@ contains
       integer, intent(in) :: n_schur !! number of Schur variables
       integer, intent(in) :: order(:) !! position k holds unknown order(k) (n)
       type(error_t), allocatable, intent(out) :: error !! memory ran out
-      real(dp), allocatable :: solutions(:, :)
+      real(dp), allocatable :: solutions(:, :), products(:, :)
       integer :: i
 
       self%n = size(order)
@@ -267,11 +272,11 @@ contains
       self%order = order
       self%schur_order = order(self%n - n_schur + 1:) - (self%n - n_schur)
       self%matrix_norm = matrix%norm()
-      solutions = known_solutions([(i, i=1, self%n)])
-      allocate (self%known_load, mold=solutions)
-      do i = 1, size(solutions, 2)
-         call matrix%multiply(solutions(:, i), self%known_load(:, i))
-      end do
+      ! gfortran 12 passes a transposed function as if it were contiguous.
+      solutions = transpose(known_solutions([(i, i=1, self%n)]))
+      allocate (products, mold=solutions)
+      call matrix%multiply(solutions, products)
+      self%known_load = transpose(products)
       call matrix%permute(order, self%matrix, error)
    end subroutine cholesky_set_order
 
@@ -358,13 +363,16 @@ contains
    subroutine cholesky_check_factor(self, error)
       class(cholesky_t), intent(inout) :: self !! the factorization
       type(error_t), allocatable, intent(out) :: error !! the matrix is singular to rounding
-      real(dp), allocatable :: solutions(:, :)
+      real(dp), allocatable :: y(:, :), solutions(:, :)
       integer :: i
 
-      allocate (solutions, mold=self%known_load)
-      do i = 1, size(solutions, 2)
-         call self%solve(self%known_load(:, i), solutions(:, i))
+      y = self%known_load(self%order, :)
+      do i = 1, size(y, 2)
+         call self%substitute_forward(self%n, y(:, i))
       end do
+      call self%substitute_backward(self%n, y)
+      allocate (solutions, mold=y)
+      solutions(self%order, :) = y
       call self%check_solutions(solutions, error)
    end subroutine cholesky_check_factor
 

@@ -666,10 +666,8 @@ contains
       associate (matrix => self%stiffness)
          if (allocated(matrix%place)) deallocate (matrix%place)
          allocate (own(4, matrix%n), source=0.0_dp)
-         known = known_solutions(self%subdomain%unknown)
-         do j = 1, 2
-            call matrix%multiply(known(:, j), own(2 + j, :))
-         end do
+         known = transpose(known_solutions(self%subdomain%unknown))
+         call matrix%multiply(known, own(3:, :))
          do j = 1, matrix%n
             own(1, j) = matrix%value(matrix%column_start(j))
             own(2, j) = own(2, j) + abs(own(1, j))

@@ -228,25 +228,25 @@ contains
       position(order) = [(k, k=1, size(order))]
    end function positions
 
-   !> The product y = K x.
+   !> The products K x of two vectors, side by side with one pass over the matrix.
    pure subroutine sparse_matrix_multiply(self, x, y)
       class(sparse_matrix_t), intent(in) :: self !! the matrix K
-      real(dp), intent(in) :: x(:) !! the vector (n)
-      real(dp), intent(out) :: y(:) !! the product (n)
-      real(dp) :: x_j, y_j
+      real(dp), contiguous, intent(in) :: x(:, :) !! the vectors (2, n)
+      real(dp), contiguous, intent(out) :: y(:, :) !! the products (2, n)
+      real(dp) :: x_j(2), y_j(2)
       integer(int64) :: at
       integer :: j
 
       y = 0.0_dp
       do j = 1, self%n
          at = self%column_start(j)
-         x_j = x(j)
+         x_j = x(:2, j)
          y_j = self%value(at)*x_j
          do at = at + 1, self%column_start(j + 1) - 1
-            y(self%row(at)) = y(self%row(at)) + self%value(at)*x_j
-            y_j = y_j + self%value(at)*x(self%row(at))
+            y(:2, self%row(at)) = y(:2, self%row(at)) + self%value(at)*x_j
+            y_j = y_j + self%value(at)*x(:2, self%row(at))
          end do
-         y(j) = y(j) + y_j
+         y(:2, j) = y(:2, j) + y_j
       end do
    end subroutine sparse_matrix_multiply
 

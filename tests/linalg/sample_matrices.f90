@@ -6,8 +6,8 @@ module sample_matrices
    implicit none (type, external)
    private
 
-   public :: arbitrary_matrix, arbitrary_numbers, chain_inverse, chain_matrix, dense_matrix, grid_matrix, grid_places, &
-      plate_matrix, plate_places, smallest_grid_eigenpair
+   public :: arbitrary_matrix, arbitrary_numbers, chain_inverse, chain_matrix, dense_matrix, grid_matrix, &
+      grid_places, plate_matrix, plate_places, product_of, smallest_grid_eigenpair
 
 contains
 
@@ -194,5 +194,15 @@ contains
          end do
       end do
    end function dense_matrix
+
+   !> The product of a matrix and one vector, the first of the two that the matrix multiplies.
+   pure function product_of(matrix, x) result(y)
+      type(sparse_matrix_t), intent(in) :: matrix !! the matrix
+      real(dp), intent(in) :: x(:) !! the vector
+      real(dp) :: y(size(x)), products(2, size(x))
+
+      call matrix%multiply(spread(x, 1, 2), products)
+      y = products(1, :)
+   end function product_of
 
 end module sample_matrices
