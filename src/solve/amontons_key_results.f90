@@ -18,7 +18,6 @@ module amontons_key_results
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, stick_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
-   use amontons_model_warnings, only: body_size
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_quantity, only: at_place, quantity_t
    use amontons_rounding, only: computed_rounding, exceeds, input_rounding, sum_rounding
@@ -378,7 +377,7 @@ contains
          list(2) = peak('max_contact_shear', 'Max. shear', tangential_norm(force(m + 1:), m)/area, zone%position, &
             list(1)%value, 'F/L^2')
          ! The slip of what sticks is a rounding error, if not of what has moved then of what forces of this size move.
-         extent = body_size(body)/maxval(body%materials%list%young(1))
+         extent = body%size/maxval(body%materials%list%young(1))
          do i = 0, zone%n_tangents
             scale = max(scale, maxval(abs(force(i*m + 1:i*m + m))/area)*extent)
          end do

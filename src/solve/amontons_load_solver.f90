@@ -30,7 +30,6 @@ module amontons_load_solver
    use amontons_loose_bodies, only: can_be_wedged, check_balance, find_idle_motion, find_origin, fit_travel, is_round, &
       on_round_line
    use amontons_methods, only: method_options_t, new_contact_method, solve_components
-   use amontons_model_warnings, only: body_size
    use amontons_newton, only: newton_t
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_rigid_motion, only: largest_motion, orthonormal_modes, resting_motions
@@ -78,7 +77,7 @@ contains
       if (.not. allocated(error)) call new_load_family(solver%loads, body, load_case, parting, error)
       if (allocated(error)) return
       solver%is_auto = options%method == 'auto'
-      solver%size_of_body = body_size(body)
+      solver%size_of_body = body%size
       call solver%find_free_motions(body)
    end subroutine new_load_solver
 

@@ -20,7 +20,7 @@ module amontons_model_warnings
    implicit none (type, external)
    private
 
-   public :: add_history_warnings, add_model_warnings, add_sweep_warnings, body_size, facing_lengths, percent
+   public :: add_history_warnings, add_model_warnings, add_sweep_warnings, facing_lengths, percent
 
    !> Largest initial overlap without a warning, as a share of the body's size [-].
    real(dp), parameter :: large_overlap = 0.01_dp
@@ -28,13 +28,6 @@ module amontons_model_warnings
    real(dp), parameter :: large_friction = 2.0_dp
 
 contains
-
-   !> The larger side of the bounding box of a body [L].
-   pure real(dp) function body_size(body)
-      type(body_t), intent(in) :: body !! the body
-
-      body_size = maxval(maxval(body%mesh%coordinates, dim=2) - minval(body%mesh%coordinates, dim=2))
-   end function body_size
 
    !> A share as a percentage of three digits.
    pure function percent(share) result(text)
@@ -177,7 +170,7 @@ contains
 
       name = "contact set '"//load_case%contacts(set)%set//"': "
       is_of_set = body%zone%set == set
-      associate (zone => body%zone, size => body_size(body))
+      associate (zone => body%zone, size => body%size)
          if (body%inf_sup(set) < poor_inf_sup) call warnings%add(name//'the inf-sup constant '// &
             short_text(body%inf_sup(set))//' is below '//short_text(poor_inf_sup)// &
             '; forces and statuses may oscillate from cell to cell; make the cells larger')

@@ -13,7 +13,7 @@ module amontons_result_warnings
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
    use amontons_mesh, only: mesh_t
-   use amontons_model_warnings, only: body_size, percent
+   use amontons_model_warnings, only: percent
    use amontons_result, only: result_t
    use amontons_rounding, only: exceeds, result_rounding
    use amontons_text, only: counted, vector_text, to_text
@@ -303,7 +303,7 @@ contains
       associate (couple => abs(result%certificate%couple), scale => result%certificate%couple_scale, &
          n_pairs => size(body%zone%pairs))
          do i = 1, size(couple)
-            if (couple(i) <= max(large*scale(i), result_rounding*result%certificate%force_scale*body_size(body))) cycle
+            if (couple(i) <= max(large*scale(i), result_rounding*result%certificate%force_scale*body%size)) cycle
             if (i <= n_pairs) label = body%zone%pairs(i)%label
             if (i > n_pairs) label = body%ties(i - n_pairs)%label
             call result%warnings%add(label//': the forces across the gap make a couple of '// &
@@ -378,7 +378,7 @@ contains
       call find_largest_strain(body%mesh, result%displacement, strain, at)
       distance = maxval(norm2(result%displacement, dim=1))
       travel = ''
-      if (distance > far*strain*body_size(body)) travel = '; the body moves by '// &
+      if (distance > far*strain*body%size) travel = '; the body moves by '// &
          result%warnings%number(distance, 'L')//', far more than it is strained: place it closer to its obstacle'
       call result%warnings%add('the stiffness is ill-conditioned, condition number about '// &
          rounded(result%condition)//': rounding may cost '//to_text(min(16, nint(log10(result%condition))))// &
@@ -394,9 +394,9 @@ contains
       integer :: node, at
 
       largest = maxval(norm2(displacement, dim=1))
-      if (exceeds(largest, large_displacement*body_size(body))) call warnings%add('displacement of '// &
+      if (exceeds(largest, large_displacement*body%size)) call warnings%add('displacement of '// &
          warnings%number(largest, 'L')//', '// &
-         percent(largest/body_size(body))//" of the body's size; the theory is for small displacements (up to "// &
+         percent(largest/body%size)//" of the body's size; the theory is for small displacements (up to "// &
          percent(large_displacement)//'); check units, loads and moduli')
       call find_largest_strain(body%mesh, displacement, strain, at)
       if (body%is_axisymmetric) then

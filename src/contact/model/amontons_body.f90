@@ -80,6 +80,7 @@ module amontons_body
    type, extends(meshed_body_t) :: body_t
       character(:), allocatable :: mesh_notes !! repairs by its reader, a line of text for each
       type(spring_side_t), allocatable :: springs(:) !! springs along sides
+      real(dp) :: size = 0.0_dp !! its larger extent along x and y [L]
       logical :: is_axisymmetric = .false. !! whether it is a body of revolution
       type(coloring_t) :: coloring !! colors of the elements
       type(rigid_motions_t), allocatable :: motions(:) !! the rigid motions of each piece that the supports leave free
@@ -152,6 +153,7 @@ contains
       allocate (all_ties(0))
       if (present(ties)) all_ties = ties
       body%mesh = mesh
+      body%size = maxval(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
       body%outer = outer_sides(mesh)
       body%mesh_notes = ''
       call new_materials(body%materials, materials, mesh, error)

@@ -522,8 +522,7 @@ contains
             self%largest(k) = maxval(abs(part%prescribed))
             ! Upper bound of the expansion of the body, by its highest temperature.
             if (allocated(part%element_load)) self%largest(k) = max(self%largest(k), &
-               maxval(abs(part%element_load(:size(body%mesh%node))))*maxval(maxval(body%mesh%coordinates, dim=2) &
-               - minval(body%mesh%coordinates, dim=2)))
+               maxval(abs(part%element_load(:size(body%mesh%node))))*body%size)
             ! Tangential displacements include prescribed parts, as the anchors do: such a part, for example at one node
             ! of a cell, becomes a load.
             slip = prescribed_slip(body, part)
@@ -639,13 +638,12 @@ contains
       type(error_t), allocatable, intent(out) :: error !! names support, node and set
       type(contact_t), allocatable :: contacts(:)
       character(:), allocatable :: support
-      real(dp) :: place(2), push, gap, cosine, largest
+      real(dp) :: place(2), push, gap, cosine
       logical :: is_met
       integer :: i, k
 
       if (size(body%zone%held_node) == 0) return
       contacts = self%contacts_of(acting)
-      largest = maxval(maxval(body%mesh%coordinates, dim=2) - minval(body%mesh%coordinates, dim=2))
       do i = 1, size(body%zone%held_node)
          associate (node => body%zone%held_node(i), contact => contacts(body%zone%held_set(i)), &
             normal => body%zone%held_normal(:, i))
@@ -656,7 +654,8 @@ contains
             call contact%obstacle%measure(place, normal, gap, is_met, cosine)
             gap = gap + contact%extra_gap%at(place, body%zone%held_arc_length(i))
             ! Meshes lie in obstacles by the rounding of their files.
-            if (.not. is_met .or. push - gap <= negligible*abs(push) + max(0.0_dp, min(-gap, negligible*largest))) cycle
+            if (.not. is_met .or. push - gap &
+               <= negligible*abs(push) + max(0.0_dp, min(-gap, negligible*body%size))) cycle
             associate (holder => self%base%supports(maxval(body%constraints%holder(:, node))))
                support = holder%set
                if (len(holder%name) > 0) support = holder%name
