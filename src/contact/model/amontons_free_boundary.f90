@@ -5,7 +5,7 @@
 !> measured as at contact points: along the normals of the boundary, for small displacements. A corner of the body is
 !> measured along the normals of both its sides.
 !>
-!> Sides are found by the columns that they lie in: bins over all coordinates but the last one.
+!> Sides are found by the columns that they lie in: bins along the axis in which the boundary is longer.
 module amontons_free_boundary
    use amontons_constraints, only: constraints_t
    use amontons_contact_set, only: contact_t
@@ -80,6 +80,7 @@ module amontons_free_boundary
    !> The boundary of a mesh as straight sides, body on the left, sorted by the columns that they lie in.
    type :: columns_t
       real(dp), allocatable :: corner(:, :, :) !! coordinates of both corners of each side (2, 2, sides) [L]
+      integer :: axis = 1 !! the axis that columns follow each other along: 1 for x, 2 for y
       real(dp) :: low = 0.0_dp !! where the first column begins [L]
       real(dp) :: width = 0.0_dp !! width of a column [L]
       integer, allocatable :: start(:) !! first place of each column in `side`, and one beyond the last (columns + 1)
@@ -327,8 +328,10 @@ contains
          end if
          place = surface%place(side, places(corner))
          ! The columns that its ray crosses.
-         across = surface%longest + self%reach*abs(place%normal(1))/norm2(place%normal)
-         near = self%columns%near(place%position(1) - across, place%position(1) + across)
+         associate (axis => self%columns%axis)
+            across = surface%longest + self%reach*abs(place%normal(axis))/norm2(place%normal)
+            near = self%columns%near(place%position(axis) - across, place%position(axis) + across)
+         end associate
          near = pack(near, self%is_own(near, 3 - of) .or. self%is_beyond(near, 3 - of))
          meeting = meet_master(surface, near, place, self%reach)
          if (meeting%side == 0) return
@@ -395,14 +398,17 @@ contains
       integer, intent(in) :: side(:, :) !! first corner, second corner and more of each side (4, sides)
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       integer, allocatable :: bin(:), of(:)
+      real(dp) :: extent(2)
       integer :: low(size(side, 2)), high(size(side, 2)), i, k
 
       associate (n => size(side, 2))
          columns%corner = reshape([(coordinates(:, side(:2, i)), i=1, n)], [2, 2, n])
-         columns%low = minval(columns%corner(1, :, :))
-         columns%width = max((maxval(columns%corner(1, :, :)) - columns%low)/n, tiny(1.0_dp))
-         low = [(column_of(columns, minval(columns%corner(1, :, i)), n), i=1, n)]
-         high = [(column_of(columns, maxval(columns%corner(1, :, i)), n), i=1, n)]
+         extent = [(maxval(columns%corner(k, :, :)) - minval(columns%corner(k, :, :)), k=1, 2)]
+         columns%axis = maxloc(extent, dim=1)
+         columns%low = minval(columns%corner(columns%axis, :, :))
+         columns%width = max(extent(columns%axis)/n, tiny(1.0_dp))
+         low = [(column_of(columns, minval(columns%corner(columns%axis, :, i)), n), i=1, n)]
+         high = [(column_of(columns, maxval(columns%corner(columns%axis, :, i)), n), i=1, n)]
          bin = [((k, k=low(i), high(i)), i=1, n)]
          of = [((i, k=low(i), high(i)), i=1, n)]
          call fill_bins(columns%start, columns%side, bin, n)
@@ -442,7 +448,8 @@ contains
       end associate
    end function columns_distance
 
-   !> Whether a point lies in the body: the sides wind around it.
+   !> Whether a point lies in the body: the sides that a ray across the columns meets wind around it. Corners on the ray
+   !> count as lying before it, so that one of their two sides is met, both or none.
    pure logical function columns_contain(self, point)
       class(columns_t), intent(in) :: self !! the columns
       real(dp), intent(in) :: point(2) !! the point [L]
@@ -450,14 +457,18 @@ contains
       integer :: i, winding
 
       winding = 0
-      near = self%near(point(1), point(1))
-      do i = 1, size(near)
-         associate (a => self%corner(:, 1, near(i)), b => self%corner(:, 2, near(i)))
-            if ((a(1) <= point(1)) .eqv. (b(1) <= point(1))) cycle
-            if (a(2) + (point(1) - a(1))*(b(2) - a(2))/(b(1) - a(1)) > point(2)) winding = winding &
-               + merge(1, -1, a(1) > b(1))
-         end associate
-      end do
+      associate (axis => self%axis, across => 3 - self%axis)
+         near = self%near(point(axis), point(axis))
+         do i = 1, size(near)
+            associate (a => self%corner(:, 1, near(i)), b => self%corner(:, 2, near(i)))
+               if ((a(axis) <= point(axis)) .eqv. (b(axis) <= point(axis))) cycle
+               ! The body is on the left: below a side towards -x, beside one towards +y.
+               if (a(across) + (point(axis) - a(axis))*(b(across) - a(across))/(b(axis) - a(axis)) &
+                  <= point(across)) cycle
+               winding = winding + merge(1, -1, (a(axis) > b(axis)) .eqv. axis == 1)
+            end associate
+         end do
+      end associate
       columns_contain = winding > 0
    end function columns_contain
 
