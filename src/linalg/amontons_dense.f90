@@ -18,6 +18,9 @@ module amontons_dense
       module procedure :: cholesky_solve_vector, cholesky_solve_matrix
    end interface cholesky_solve
 
+   !> How many columns of a matrix with zeros in its upper rows are treated together.
+   integer, parameter :: n_together = 64
+
 contains
 
    !> The vector product in space.
@@ -134,13 +137,30 @@ contains
       call dpotrs('L', size(l, 1), size(b, 2), l, max(1, size(l, 1)), b, max(1, size(b, 1)), info)
    end subroutine cholesky_solve_matrix
 
-   !> Solves L X = B.
-   pure subroutine triangular_solve(l, b)
-      real(dp), contiguous, intent(in) :: l(:, :) !! L in the lower triangle (n, n)
-      real(dp), contiguous, intent(inout) :: b(:, :) !! right-hand sides (n, any), the solutions on return
+   !> Solves L X = B, some columns at a time: above the first row in which one of them is not 0, X is 0.
+   pure subroutine triangular_solve(n, m, l, b)
+      integer, intent(in) :: n !! order of L
+      integer, intent(in) :: m !! number of right-hand sides
+      real(dp), intent(in) :: l(n, n) !! L in the lower triangle
+      real(dp), intent(inout) :: b(n, m) !! right-hand sides, the solutions on return
+      integer :: first, j, width
 
-      call dtrsm('L', 'L', 'N', 'N', size(b, 1), size(b, 2), 1.0_dp, l, max(1, size(l, 1)), b, max(1, size(b, 1)))
+      do j = 1, m, n_together
+         width = min(n_together, m - j + 1)
+         first = first_row(b(:, j:j + width - 1))
+         if (first > n) cycle
+         call dtrsm('L', 'L', 'N', 'N', n - first + 1, width, 1.0_dp, l(first, first), n, b(first, j), n)
+      end do
    end subroutine triangular_solve
+
+   !> The first row of a matrix that is not 0, one past the last where all are.
+   pure integer function first_row(a) result(row)
+      real(dp), intent(in) :: a(:, :) !! the matrix
+
+      do row = 1, size(a, 1)
+         if (any(abs(a(row, :)) > 0.0_dp)) exit
+      end do
+   end function first_row
 
    !> Replaces the Cholesky factor L by the full symmetric inverse (L L^T)^-1.
    pure subroutine cholesky_inverse(l)
@@ -223,12 +243,22 @@ contains
          0.0_dp, c, max(1, size(c, 1)))
    end subroutine transposed_product
 
-   !> The product C = A^T A, in its lower triangle.
-   pure subroutine squares(a, c)
-      real(dp), contiguous, intent(in) :: a(:, :) !! the matrix A (k, n)
-      real(dp), contiguous, intent(inout) :: c(:, :) !! the product (n, n); the strictly upper part is not changed
+   !> The product C = A^T A, in its lower triangle, some rows at a time: A is 0 in these columns above some row.
+   pure subroutine squares(k, n, a, c)
+      integer, intent(in) :: k !! number of rows of A
+      integer, intent(in) :: n !! number of its columns
+      real(dp), intent(in) :: a(k, n) !! A
+      real(dp), intent(out) :: c(n, n) !! the product, 0 above the diagonal
+      integer :: first, i, width
 
-      call dsyrk('L', 'T', size(c, 1), size(a, 1), 1.0_dp, a, max(1, size(a, 1)), 0.0_dp, c, max(1, size(c, 1)))
+      c = 0.0_dp
+      do i = 1, n, n_together
+         width = min(n_together, n - i + 1)
+         first = first_row(a(:, i:i + width - 1))
+         if (first > k) cycle
+         call dgemm('T', 'N', width, i - 1, k - first + 1, 1.0_dp, a(first, i), k, a(first, 1), k, 0.0_dp, c(i, 1), n)
+         call dsyrk('L', 'T', width, k - first + 1, 1.0_dp, a(first, i), k, 0.0_dp, c(i, i), n)
+      end do
    end subroutine squares
 
    !> The product y = A x of a symmetric matrix, reading half of it.

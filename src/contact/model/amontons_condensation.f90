@@ -557,9 +557,9 @@ contains
             return
          end if
          ! G = H^T H with H = L^-1 C^T.
-         call triangular_solve(m, half)
+         call triangular_solve(n, r, m, half)
       end associate
-      call squares(half, condensation%of_rows)
+      call squares(n, r, half, condensation%of_rows)
       deallocate (half)
       if (condensation%share > 0.0_dp) then
          condensation%softness = condensation%share/rho

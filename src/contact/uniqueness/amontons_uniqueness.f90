@@ -255,9 +255,9 @@ contains
       if (info /= 0) return
       if (.not. all([(factor(i, i) > least_root*sqrt(s(m + i, m + i)), i=1, n)])) return
       ! L^-1 S_21 S_11^+ S_12 L^-T
-      call triangular_solve(factor, difference)
+      call triangular_solve(n, n, factor, difference)
       difference = transpose(difference)
-      call triangular_solve(factor, difference)
+      call triangular_solve(n, n, factor, difference)
       gamma = sqrt(largest_eigenvalue(difference))
       gamma = max(gamma, sum_rounding)
       ! kappa is the square root of the product of the largest eigenvalues of D A_22 D and of D^-1 Phi S_11 Phi D^-1,
