@@ -251,6 +251,7 @@ contains
       character(:), allocatable :: file
       integer :: i
       logical :: are_times_sound
+      logical, allocatable :: are_known(:)
 
       are_times_sound = history%is_given
       if (history%is_given) call describe_times(visitor, history)
@@ -292,7 +293,7 @@ contains
                   'cannot turn: it would become a cone; only shift_y moves it as a rigid body')
             end if
          end associate
-         call check_name(visitor, history%steps(:i), loads, supports, contacts)
+         call check_name(visitor, history%steps(:i), are_known, loads, supports, contacts)
       end do
    end subroutine describe_history
 
@@ -476,10 +477,30 @@ contains
       end if
    end subroutine judge_steps
 
+   !> Whether all names that changes of a kind may have are known. Names in which a fault was found are not. A rigid set
+   !> or preload with any fault is not among the loads.
+   pure logical function are_names_known(visitor, target, loads) result(are_known)
+      class(deck_visitor_t), intent(in) :: visitor !! the visitor
+      integer, intent(in) :: target !! what the changes move
+      type(load_t), intent(in) :: loads(:) !! the loads
+
+      associate (deck => visitor%deck)
+         if (target <= stepped_support) then
+            are_known = all([deck%knows(trim(moved_things(target)), 'name'), deck%knows('rigid', 'name'), &
+               deck%knows('preload', 'name'), &
+               count(loads%target == load_on_motion) == deck%count_groups('rigid') + deck%count_groups('preload')])
+         else
+            are_known = deck%knows('contact', 'set') .and. deck%knows('contact', 'name')
+         end if
+      end associate
+   end function are_names_known
+
    !> Checks that the target of a change exists, and that no other change has it.
-   subroutine check_name(visitor, steps, loads, supports, contacts)
+   subroutine check_name(visitor, steps, are_known, loads, supports, contacts)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor, at the group of the last change
       type(steps_t), intent(inout) :: steps(:) !! the change, and those before it
+      logical, allocatable, intent(inout) :: are_known(:)
+         !! whether all names of each kind are known; not allocated before the first change
       type(load_t), intent(in) :: loads(:) !! the loads
       type(support_t), intent(in) :: supports(:) !! the supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
@@ -489,31 +510,26 @@ contains
          'no &contact with a rigid obstacle has the name or set', 'no &contact has the name or set']
       character(:), allocatable :: thing, names
       integer :: i, k
-      logical :: is_same, are_known, has_target
+      logical :: is_same, has_target
 
+      if (.not. allocated(are_known)) are_known = [(are_names_known(visitor, i, loads), i=1, size(moved_things))]
       associate (last => steps(size(steps)))
+         if (.not. are_known(last%target)) return
          thing = trim(moved_things(last%target))
-         ! Names in which a fault was found are not known. A rigid set or preload with any fault is not among the loads.
-         if (last%target <= stepped_support) then
-            are_known = all([visitor%deck%knows(thing, 'name'), visitor%deck%knows('rigid', 'name'), &
-               visitor%deck%knows('preload', 'name'), &
-               count(loads%target == load_on_motion) == visitor%deck%count_groups('rigid') + &
-               visitor%deck%count_groups('preload')])
-         else
-            are_known = visitor%deck%knows('contact', 'set') .and. visitor%deck%knows('contact', 'name')
-         end if
-         if (.not. are_known) return
          call find_targets(last, loads, supports, contacts, names, has_target)
          call visitor%require(has_target, thing, trim(missing(last%target))//" '"//last%name//"'"// &
             names_text('there are', names))
+         is_same = .false.
          do k = 1, size(steps) - 1
-            if (steps(k)%name == last%name .and. steps(k)%target + last%target == stepped_load + stepped_support) then
+            if (steps(k)%target + last%target == stepped_load + stepped_support .and. steps(k)%name == last%name) then
                steps([k, size(steps)])%has_twin = .true.
             end if
-            is_same = steps(k)%target == last%target .and. (steps(k)%name == last%name .or. &
-               any([(last%acts_on(contacts(i)) .and. steps(k)%acts_on(contacts(i)), i=1, size(contacts))]))
-            call visitor%require(.not. is_same, thing, thing//" '"//last%name//"' has &steps already")
+            if (steps(k)%target /= last%target) cycle
+            is_same = is_same .or. steps(k)%name == last%name
+            if (last%target > stepped_support) is_same = is_same .or. &
+               any([(last%acts_on(contacts(i)) .and. steps(k)%acts_on(contacts(i)), i=1, size(contacts))])
          end do
+         call visitor%require(.not. is_same, thing, thing//" '"//last%name//"' has &steps already")
       end associate
    end subroutine check_name
 
