@@ -29,7 +29,7 @@ MAY_USE = {
     "deck": ["system"],
     "input": ["deck", "contact/model", "contact/geometry", "contact/methods", "elasticity", "mesh", "mesh/io",
               "cholesky", "system"],
-    "solve": ["input", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
+    "solve": ["input", *CONTACT, "elasticity", "mesh", "mesh/io", "system"],
     "output": ["solve", *CONTACT, "elasticity", "mesh", "system"],
     "study": ["output", "solve", "input", "contact/model", "contact/problem", "elasticity"],
     "study/reduced": ["study", "output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness",

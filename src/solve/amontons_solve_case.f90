@@ -24,7 +24,7 @@ module amontons_solve_case
    use amontons_key_results, only: body_peaks, contact_results_t, new_contact_results, wear_results
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, new_load_case, one_part
-   use amontons_load_solver, only: check_balance, forget_start, load_solver_t, new_load_solver
+   use amontons_load_solver, only: check_balance, load_solver_t, new_load_solver
    use amontons_loads, only: load_by_temperature, load_t
    use amontons_mesh, only: mesh_t
    use amontons_mesh_file, only: new_mesh
@@ -262,7 +262,6 @@ contains
       call solver%loads%pose(body, acting, problem)
       call result%timings%begin(phase_solve)
       if (.not. any(abs(problem%load) > 0.0_dp) .and. allocated(result%started_from)) deallocate (result%started_from)
-      call forget_start(problem, result%solution)
       call solver%solve(body, acting, problem, result%solution, result%outcome, result%answer, kind)
       deallocate (solver)
       if (result%outcome == outcome_numbers) call new_error(error, kind, result%answer)

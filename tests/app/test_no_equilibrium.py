@@ -13,8 +13,9 @@ ADVICE = "; add a support, or a load that presses the body on its obstacle\n"
 BUT_FOR_THE_MESH = ("no equilibrium but for the irregularities of the mesh: contact and friction on the round line "
                     "that its nodes lie on cannot balance the loads; the body is free to {}; add a support or "
                     "friction\n")
-EXHAUSTED = ("no equilibrium but for the irregularities of the mesh: on the round line that its nodes lie on "
-             "friction is exhausted and cannot balance the loads; the body is free to {}; add a support or friction\n")
+EXHAUSTED = ("no equilibrium but for the irregularities of the mesh: all contact points slip or open, and friction on "
+             "the round line that its nodes lie on cannot balance the loads; the body is free to {}; add a support or "
+             "friction\n")
 SPINNING = ("no equilibrium: all contact points slip or open, and friction cannot balance the loads; the body is free "
             "to {}; add a support or friction\n")
 LIFTED = block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0")

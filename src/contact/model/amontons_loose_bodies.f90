@@ -1,72 +1,84 @@
-!> Bodies that contact alone holds: whether contact forces can balance their loads or each other, and where they stay.
+!> Bodies that contact alone holds: whether contact forces can balance their loads, and where they stay.
 !>
 !> Equilibrium: the works of the loads on the free rigid motions must be those of contact forces, which form a cone. By
 !> Farkas' lemma what the best approximation leaves of them is a rigid motion that the loads drive and that no contact
 !> force opposes enough: there is no equilibrium, and the body is free to move along it. Otherwise there may be one:
-!> forces on opposite sides can be as large as they like here, and the solver decides.
+!> forces on opposite sides can be as large as they like here, and friction with them. Once normal forces are known,
+!> friction is not: the same is asked with the friction that they allow, and normal forces without friction.
 !>
 !> The normals of the facets of a round line miss its center a little, so that huge forces with arms of both signs would
-!> balance any moment. Loads therefore have no equilibrium either if a remainder is left with the normals of the circles
-!> through neighboring nodes. In a pair the round line is that of the slave.
+!> balance any moment. A motion on which the normals of the circles through neighboring nodes do no work must therefore
+!> be held by friction alone. In a pair the round line is that of the slave.
 !>
-!> Place: rigid motions cause no elastic forces, so that the displacements of such a body may be counted from any of
+!> Place: a body moves as little as it can. Where its contact forces leave it free to move, it stays as near to where
+!> it was as overlaps allow. Rigid motions cause no elastic forces, so that displacements may be counted from any of
 !> them. Displacements that do cause forces may be millions of times smaller than the distance to the obstacle: counted
-!> from a place on the obstacle, they keep their digits. Without loads the body stays where it was but for the least
-!> motion that ends all overlaps.
+!> from a place on the obstacle, they keep their digits.
 module amontons_loose_bodies
-   use amontons_body, only: body_t
-   use amontons_cone, only: cone_t, least_squares, new_cone
+   use amontons_body, only: body_t, find_rigid_modes
+   use amontons_cone, only: cone_t, least_squares, new_cone, null_vectors
    use amontons_contact_problem, only: contact_problem_t
+   use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, new_error, no_equilibrium
    use amontons_frame, only: turned
+   use amontons_friction_law, only: open_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
-   use amontons_rigid_motion, only: largest_motion
+   use amontons_rigid_motion, only: largest_motion, resting_motions
    use amontons_rounding, only: computed_rounding, difference_rounding, sum_rounding
    implicit none (type, external)
    private
 
-   public :: can_be_wedged, check_balance, find_idle_motion, find_origin, fit_travel, is_round, on_round_line
+   public :: check_balance, find_origin, find_round_motions, free_motions, rigid_part, settle
 
 contains
 
-   !> Refuses loads that no contact forces can balance.
-   pure subroutine check_balance(body, load_case, error)
+   !> Refuses loads that no contact forces can balance, with friction in proportion to normal forces of any size, or as
+   !> large as it is at known ones.
+   pure subroutine check_balance(body, load_case, error, bound)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
-      ! A hundredth of the residual of methods, whose scale may be a small part of the loads that cancel; the other
-      ! limit is for the center of gravity of a round body, whose position depends on the mesh.
+      real(dp), intent(in), optional :: bound(:) !! what friction bears at the normal forces that were found (m) [F]
+      ! For the center of gravity of a round body, whose position depends on the mesh.
       real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp
-      real(dp), allocatable :: work(:), remainder(:)
-      character(:), allocatable :: motion
+      real(dp), allocatable :: amounts(:, :), moved(:, :), remainder(:), work(:)
+      character(:), allocatable :: bearing, advice
       real(dp) :: scale, share, least
 
       if (all(body%motions%n_free == 0)) return
       call find_works(work, scale, body, load_case)
-      ! Levers have the rounding errors of coordinates. Of a round cone the square of the remainder is rounding.
+      ! A hundredth of the residual of methods, whose scale may be a small part of the loads that cancel. Levers have
+      ! the rounding errors of coordinates. Of a round cone the square of the remainder is rounding.
       share = merge(sum_rounding, sqrt(sum_rounding), body%zone%n_tangents == 1) + epsilon(scale)*maxval(abs( &
          body%mesh%coordinates))/minval(body%motions%radius, mask=body%motions%n_free > 0)
+      ! Normal forces that were found have ten times the residual of methods.
+      if (present(bound)) share = max(share, computed_rounding)
       ! Loads that cancel, each other or with reactions, leave their rounding errors, and those of directions of sides.
       least = share*load_case%uncanceled(1)
-      remainder = unbalanced_work(body, load_case, body%rigid_modes, work)
+      bearing = 'contact and friction'
+      advice = '; add a support, or a load that presses the body on its obstacle'
+      if (present(bound)) then
+         bearing = 'all contact points slip or open, and friction'
+         advice = '; add a support or friction'
+      end if
+      remainder = unbalanced_work(body, load_case, body%rigid_modes, work, bound)
       if (norm2(remainder) > max(share*scale, least)) then
-         motion = largest_motion(body%motions, remainder)
          if (body%zone%n_points == 0) then
-            call new_error(error, no_equilibrium, 'no equilibrium: nothing balances the loads; '//motion// &
-               '; add a support or a contact set')
+            call new_error(error, no_equilibrium, 'no equilibrium: nothing balances the loads; '// &
+               largest_motion(body%motions, remainder)//'; add a support or a contact set')
          else
-            call new_error(error, no_equilibrium, &
-               'no equilibrium: contact and friction cannot balance the loads; '//motion// &
-               '; add a support, or a load that presses the body on its obstacle')
+            call new_error(error, no_equilibrium, 'no equilibrium: '//bearing//' cannot balance the loads; '// &
+               largest_motion(body%motions, remainder)// &
+               advice)
          end if
-      else if (is_round(body%zone) .and. .not. any(body%zone%is_cell)) then
-         remainder = unbalanced_work(body, load_case, on_round_line(body%zone, body%rigid_modes), work)
+      else
+         call find_round_motions(amounts, moved, body, load_case%is_in_reach)
+         remainder = matmul(amounts, unbalanced_work(body, load_case, moved, matmul(work, amounts), bound))
          if (norm2(remainder) > max(unbalanced_when_round*scale, least)) call new_error(error, no_equilibrium, &
-            'no equilibrium but for the irregularities of the mesh: contact and friction on the round line that '// &
-            'its nodes lie on cannot balance the loads; '//largest_motion(body%motions, remainder)// &
-            '; add a support or friction')
+            'no equilibrium but for the irregularities of the mesh: '//bearing//' on the round line that its nodes '// &
+            'lie on cannot balance the loads; '//largest_motion(body%motions, remainder)//'; add a support or friction')
       end if
    end subroutine check_balance
 
@@ -103,64 +115,53 @@ contains
 
    !> The works of the loads on the free motions that contact forces do not balance: a motion along which the loads do
    !> work, and no contact force does more against it (motions) [F].
-   pure function unbalanced_work(body, load_case, modes, work) result(remainder)
+   pure function unbalanced_work(body, load_case, modes, work, bound) result(remainder)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its obstacles and friction
       real(dp), intent(in) :: modes(:, :) !! displacements of the points under all free motions (n_rows, motions) [-]
       real(dp), intent(in) :: work(:) !! the works of the loads (motions) [F]
+      real(dp), intent(in), optional :: bound(:) !! what friction bears, whatever the normal forces are (m) [F]
       real(dp), allocatable :: remainder(:)
       type(cone_t) :: cone
 
       call new_cone(cone, modes, merge(load_case%friction, -1.0_dp, load_case%is_in_reach))
       ! A given slip bound holds open points, too.
       cone%slip_bound = load_case%slip_bound
+      if (present(bound)) then
+         cone%friction = min(cone%friction, 0.0_dp)
+         cone%slip_bound = bound
+      end if
       cone%set = body%zone%set
       remainder = cone%remainder(work)
    end function unbalanced_work
 
-   !> Whether contact forces alone can balance each other, as those on a body between two walls: if no free rigid motion
-   !> opens all contacts against friction. Given slip bounds hold open points, too.
-   pure logical function can_be_wedged(body, problem, is_in_reach)
+   !> Finds the free motions of the points along the round line on which they lie, if the facets of the mesh oppose
+   !> them. Both sides of a pair are taken to lie on the line.
+   pure subroutine find_round_motions(amounts, moved, body, is_in_reach)
+      real(dp), allocatable, intent(out) :: amounts(:, :) !! amounts of the free motions (motions, any)
+      real(dp), allocatable, intent(out) :: moved(:, :) !! their displacements of the points (n_rows, any) [-]
       type(body_t), intent(in) :: body !! the body
-      type(contact_problem_t), intent(in) :: problem !! its contact problem
       logical, intent(in) :: is_in_reach(:) !! which points can close (m)
-      ! The square of an angle.
-      real(dp), parameter :: least_remainder = 1.0e-10_dp
-      type(cone_t) :: cone
-      real(dp) :: remainder(size(body%travel, 2) + 1)
-      integer :: k, n
+      ! What meshes of curves leave of such a motion.
+      real(dp), parameter :: negligible = 1.0e-3_dp
+      real(dp), allocatable :: modes(:, :), across(:, :)
+      real(dp) :: normals(2, body%zone%n_points)
+      integer :: k, p
 
-      can_be_wedged = any(problem%slip_bound > 0.0_dp)
-      if (can_be_wedged) return
-      n = size(body%travel, 2)
-      ! The sum of the normal forces is 1, and their works on all motions are 0.
-      associate (m => problem%n_points, n_rows => problem%matrix%n)
-         call new_cone(cone, reshape([body%travel, spread(1.0_dp, 1, m), spread(0.0_dp, 1, n_rows - m)], &
-            [n_rows, n + 1]), merge(problem%friction, -1.0_dp, is_in_reach))
+      normals = round_normals(body%zone)
+      call find_rigid_modes(modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.true.)
+      across = 0.0_dp*modes(:body%zone%n_points, :)
+      associate (m => body%zone%n_points)
+         do k = 0, body%zone%n_tangents
+            across = across + spread(sum(normals*body%zone%frame(:2, k + 1, :), dim=1), 2, size(modes, 2)) &
+               *modes(k*m + 1:(k + 1)*m, :)
+         end do
+         amounts = null_vectors(across(pack([(p, p=1, m)], is_in_reach), :), negligible*norm2(modes, dim=1))
+         if (.not. any(abs(matmul(body%rigid_modes(:m, :), amounts)) > computed_rounding)) amounts = amounts(:, :0)
+         moved = matmul(modes, amounts)
+         moved(:m, :) = 0.0_dp
       end associate
-      remainder = cone%remainder([(0.0_dp, k=1, n), 1.0_dp])
-      can_be_wedged = remainder(n + 1) <= least_remainder
-   end function can_be_wedged
-
-   !> Turns the displacements of points to the normals and tangents of the round line on which the points lie
-   !> (n_rows, motions) [-].
-   pure function on_round_line(zone, modes) result(on_round)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: modes(:, :) !! the displacements, in their own frames (n_rows, motions) [-]
-      real(dp), allocatable :: on_round(:, :)
-      real(dp) :: normals(2, zone%n_points), along, across
-      integer :: p, m
-
-      m = zone%n_points
-      normals = round_normals(zone)
-      on_round = modes
-      do p = 1, m
-         along = dot_product(normals(:, p), zone%normal(p))
-         across = dot_product(normals(:, p), zone%frame(:2, 2, p))
-         on_round(p, :) = along*modes(p, :) + across*modes(m + p, :)
-         on_round(m + p, :) = along*modes(m + p, :) - across*modes(p, :)
-      end do
-   end function on_round_line
+   end subroutine find_round_motions
 
    !> The normals of the points on the circles through each point and its neighbors; where the line is straight, ends or
    !> turns by more than 35 degrees, those of the facets (2, m) [-]. A circle of twelve sides turns by 30.
@@ -190,76 +191,124 @@ contains
       end do
    end function round_normals
 
-   !> Whether points lie on a round line: facets and circles have different normals.
-   pure logical function is_round(zone)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-
-      is_round = any(abs(round_normals(zone) - zone%frame(:2, 1, :)) > computed_rounding)
-   end function is_round
-
-   !> Finds the place of a body that displacements are counted from: the free rigid motion that comes closest to the
-   !> gaps of the points in reach, without a slip. If much of the gaps remains, as below a hollow body, the least motion
-   !> from there that ends all overlaps follows. None if there is no such place, or if it is much farther away than gaps
-   !> are.
-   pure subroutine find_origin(motion, body, load_case)
-      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! its obstacles and anchors
-      real(dp), parameter :: much = 0.1_dp, far = 10.0_dp
-      real(dp), allocatable :: amounts(:), change(:)
-      real(dp) :: aim(body%zone%n_rows)
-      logical :: counts(body%zone%n_rows)
-      integer, allocatable :: near(:)
-      integer :: p
-
-      counts = counted(body, load_case)
-      aim = merge([load_case%free_gap, load_case%anchor], 0.0_dp, counts)
-      amounts = least_squares(merge(body%travel, 0.0_dp, spread(counts, 2, size(body%travel, 2))), aim)
-      motion = matmul(body%travel, amounts)
-      if (maxval(abs(aim - motion), mask=counts) <= max(much*maxval(abs(aim)), &
-         difference_rounding*maxval(abs(body%zone%position)))) return
-      near = pack([(p, p=1, body%zone%n_points)], load_case%is_in_reach)
-      call find_least_motion(change, body%travel(near, :), motion(near) - aim(near))
-      ! The amounts are summed, not the displacements: these have rounding errors, and would be no rigid motion.
-      if (allocated(change)) motion = matmul(body%travel, amounts + change)
-      if (.not. allocated(change) .or. maxval(abs(motion)) > far*maxval(abs(aim))) motion = 0.0_dp
-   end subroutine find_origin
-
-   !> Finds where a body stays that nothing loads: the free rigid motion that leaves no overlap, nearest to where it
-   !> was: points that were pressed keep touching, and those with a given slip bound move along with the obstacle. It
-   !> causes no forces. There is none where a load acts, where overlaps press, and where such a point would slip.
-   pure subroutine find_idle_motion(motion, body, problem, before, force)
-      real(dp), allocatable, intent(out) :: motion(:)
-         !! its displacements (u_N; u_T) of the points; not allocated if there is none (n_rows) [L]
+   !> Finds the combination of free motions that brings a body as near to where it was as overlaps allow: points that
+   !> were pressed keep touching, and open points with a given slip bound move along with the obstacle. Points that bear
+   !> forces stay where they are.
+   pure subroutine find_place(place, free, body, problem, before, force_before, force)
+      real(dp), allocatable, intent(out) :: place(:)
+         !! amounts of the motions; not allocated if none ends all overlaps (motions) [L]
+      real(dp), intent(in) :: free(:, :) !! displacements of the points under motions that change no force (n_rows, any)
       type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       real(dp), intent(in) :: before(:) !! displacements of the points before (n_rows) [L]
-      real(dp), intent(in) :: force(:) !! contact forces before (n_rows) [F]
-      real(dp), allocatable :: place(:), change(:), lacking(:)
-      integer, allocatable :: pressed(:), stuck(:)
+      real(dp), intent(in) :: force_before(:) !! contact forces before (n_rows) [F]
+      real(dp), intent(in) :: force(:) !! contact forces now (n_rows) [F]
+      real(dp), allocatable :: motion(:), change(:), lacking(:), side(:)
+      integer, allocatable :: pressed(:), open(:), stuck(:), rows(:)
       integer :: i, p
 
-      if (any(abs(problem%load) > 0.0_dp)) return
-      associate (m => problem%n_points, travel => body%travel)
-         place = least_squares(travel, before)
-         pressed = pack([(p, p=1, m)], force(:m) > 0.0_dp)
-         place = place + least_squares(travel(pressed, :), before(pressed) - matmul(travel(pressed, :), place))
+      associate (m => problem%n_points)
+         place = least_squares(free, before)
+         pressed = pack([(p, p=1, m)], force_before(:m) > 0.0_dp)
+         place = place + least_squares(free(pressed, :), before(pressed) - matmul(free(pressed, :), place))
          ! A body is where it is drawn but for the rounding errors of coordinates.
-         if (all(abs(matmul(travel, place)) <= difference_rounding*maxval(abs(body%zone%position)))) place = 0.0_dp
-         motion = matmul(travel, place)
+         if (all(abs(matmul(free, place)) <= difference_rounding*maxval(abs(body%zone%position)))) place = 0.0_dp
+         motion = matmul(free, place)
+         open = pack([(p, p=1, m)], .not. force(:m) > 0.0_dp)
          ! A given slip bound holds its point along the tangents, either way.
-         stuck = pack([(m + p, p=1, size(motion) - m)], [(problem%slip_bound > 0.0_dp, i=1, body%zone%n_tangents)])
+         stuck = pack([(m + p, p=1, size(motion) - m)], [(problem%slip_bound > 0.0_dp .and. .not. force(:m) > 0.0_dp, &
+            i=1, body%zone%n_tangents)])
+         rows = [open, stuck, stuck]
+         side = [(1.0_dp, p=1, size(open) + size(stuck)), (-1.0_dp, p=1, size(stuck))]
          lacking = motion - [problem%gap, problem%anchor]
-         lacking = [lacking(:m), lacking(stuck), -lacking(stuck)]
-         call find_least_motion(change, travel([(p, p=1, m), stuck, stuck], :)*spread([(1.0_dp, p=1, m + size(stuck)), &
-            (-1.0_dp, p=1, size(stuck))], 2, size(place)), lacking)
+         lacking = side*lacking(rows)
+         call find_least_motion(change, free(rows, :)*spread(side, 2, size(place)), lacking)
          if (allocated(change)) then
-            motion = matmul(travel, place + change)
+            place = place + change
          else if (any(lacking > difference_rounding*maxval(abs([body%zone%position, motion])))) then
-            deallocate (motion)
+            deallocate (place)
          end if
       end associate
-   end subroutine find_idle_motion
+   end subroutine find_place
+
+   !> Finds the free rigid motion that lays a body on its obstacles: without a slip it comes closest to the gaps of the
+   !> points in reach, but for the least motion that ends all overlaps; 0 if there is none.
+   pure subroutine find_origin(motion, body, problem, is_in_reach)
+      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      logical, intent(in) :: is_in_reach(:) !! which points can close (m)
+      real(dp), allocatable :: place(:), reach(:)
+      integer :: k
+
+      reach = merge(1.0_dp, 0.0_dp, [(is_in_reach, k=0, body%zone%n_tangents)])
+      call find_place(place, body%travel*spread(reach, 2, size(body%travel, 2)), body, problem, &
+         reach*[problem%gap, problem%anchor], 0.0_dp*reach, 0.0_dp*reach)
+      if (.not. allocated(place)) place = spread(0.0_dp, 1, size(body%travel, 2))
+      motion = matmul(body%travel, place)
+   end subroutine find_origin
+
+   !> The combinations of motions that move no point that bears a normal force along the normal, nor one that bears
+   !> friction, up to a share of its bound, along the tangents (motions, any) [-].
+   pure function free_motions(motions, problem, force, share) result(free)
+      real(dp), intent(in) :: motions(:, :) !! displacements of the points under the motions (n_rows, motions) [-]
+      type(contact_problem_t), intent(in) :: problem !! the contact problem
+      real(dp), intent(in) :: force(:) !! contact forces (n_rows) [F]
+      real(dp), intent(in) :: share
+         !! the share, above 1 for all of it; what it lacks of 1, of the largest force, is no force [-]
+      real(dp), allocatable :: free(:, :), bound(:)
+      logical, dimension(problem%n_points) :: is_closed, sticks
+      integer :: i, k
+
+      associate (m => problem%n_points, n_tangents => problem%matrix%n_tangents)
+         is_closed = force(:m) > max(0.0_dp, 1.0_dp - share)*maxval([0.0_dp, abs(force)])
+         bound = problem%bound(force(:m))
+         sticks = is_closed .and. bound > 0.0_dp .and. tangential_norm(force(m + 1:), m) < share*bound
+         free = resting_motions(motions(pack([(i, i=1, size(force))], [is_closed, (sticks, k=1, n_tangents)]), :))
+      end associate
+   end function free_motions
+
+   !> Moves a body that its contact forces leave free to move to the place nearest to where it was, where they are the
+   !> same: of its many solutions a method finds any. Without forces that is the least motion that ends all overlaps.
+   subroutine settle(body, problem, tolerance, before, solution)
+      type(body_t), intent(in) :: body !! the body
+      type(contact_problem_t), intent(in) :: problem !! its contact problem
+      real(dp), intent(in) :: tolerance !! residual that counts as solved [-]
+      type(contact_solution_t), intent(in) :: before !! where it was
+      type(contact_solution_t), intent(inout) :: solution
+         !! a solution, moved; without loads, the body at rest in its place if that has no forces
+      ! Forces of a body that tolerance wedges, over loads that cancel.
+      real(dp), parameter :: small = 1.0e-6_dp
+      type(contact_solution_t) :: settled
+      real(dp), allocatable :: free(:, :), strains(:), place(:), motion(:)
+      real(dp) :: least
+      logical :: is_unloaded
+
+      is_unloaded = .not. any(abs(problem%load) > 0.0_dp)
+      if (.not. (solution%is_converged .or. is_unloaded)) return
+      settled = solution
+      ! Forces that the rounding errors of gaps make are none.
+      least = max(small*sum(problem%uncanceled), difference_rounding*maxval(abs(body%zone%position)) &
+         *maxval(problem%matrix%augmentation))
+      if (maxval([0.0_dp, abs(solution%force)]) <= least .or. .not. solution%is_converged) settled%force = 0.0_dp
+      associate (force => settled%force)
+         is_unloaded = is_unloaded .and. .not. any(abs(force) > 0.0_dp)
+         free = matmul(body%travel, free_motions(body%travel, problem, force, huge(least)))
+         if (size(free, 2) == 0 .and. .not. is_unloaded) return
+         strains = solution%displacement - matmul(free, least_squares(free, solution%displacement))
+         if (is_unloaded) strains = 0.0_dp
+         call find_place(place, free, body, problem%from(strains), before%displacement - strains, before%force, force)
+      end associate
+      if (.not. allocated(place)) return
+      motion = matmul(free, place)
+      settled%displacement = strains
+      call settled%measure(problem%from(motion))
+      if (is_unloaded) settled%residual = 0.0_dp
+      if (is_unloaded) settled%status = open_point
+      settled%is_converged = settled%residual <= tolerance
+      settled%displacement = strains + motion
+      if (settled%is_converged) solution = settled
+   end subroutine settle
 
    !> Finds the least combination of free motions that ends all overlaps: least distance under inequalities, from least
    !> squares (Lawson and Hanson, chapter 23). Such a motion is at most 1e5 times as long as overlaps are.
@@ -290,28 +339,13 @@ contains
       end do
    end subroutine find_least_motion
 
-   !> Finds the free rigid motion that makes up nearly all of the displacements of the points; 0 if there is none.
-   subroutine fit_travel(motion, body, displacement)
-      real(dp), allocatable, intent(out) :: motion(:) !! its displacements (u_N; u_T) of the points (n_rows) [L]
+   !> The free rigid motion that is closest to displacements of the points (n_rows) [L].
+   pure function rigid_part(body, displacement) result(motion)
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: displacement(:) !! displacements (u_N; u_T) of the points (n_rows) [L]
-      real(dp), parameter :: much = 0.01_dp
+      real(dp), intent(in) :: displacement(:) !! the displacements (u_N; u_T) (n_rows) [L]
+      real(dp), allocatable :: motion(:)
 
       motion = matmul(body%travel, least_squares(body%travel, displacement))
-      if (maxval(abs(displacement - motion)) > max(much*maxval(abs(displacement)), &
-         difference_rounding*maxval(abs(body%zone%position)))) motion = 0.0_dp
-   end subroutine fit_travel
-
-   !> The displacements of the points for which gaps and slips give a target value (n_rows).
-   pure function counted(body, load_case) result(counts)
-      type(body_t), intent(in) :: body !! the body
-      type(load_case_t), intent(in) :: load_case !! its obstacles
-      logical :: counts(body%zone%n_rows)
-      integer :: k
-
-      counts(:body%zone%n_points) = load_case%is_in_reach
-      counts(body%zone%n_points + 1:) = .not. [transpose(body%zone%is_fixed)] .and. [load_case%is_in_reach, &
-         (load_case%is_in_reach, k=2, body%zone%n_tangents)]
-   end function counted
+   end function rigid_part
 
 end module amontons_loose_bodies

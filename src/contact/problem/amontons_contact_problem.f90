@@ -54,6 +54,7 @@ module amontons_contact_problem
       procedure :: displacement => contact_problem_displacement
       procedure :: dual_load => contact_problem_dual_load
       procedure :: force_scale => contact_problem_force_scale
+      procedure :: from => contact_problem_from
       procedure :: is_unloaded => contact_problem_is_unloaded
       procedure :: largest => contact_problem_largest
       procedure :: reference => contact_problem_reference
@@ -130,6 +131,17 @@ contains
       self%gap = self%gap - center(:self%n_points)
       self%anchor = self%anchor - center(self%n_points + 1:)
    end subroutine contact_problem_count_from
+
+   !> The problem for the displacements relative to a rigid motion, which strains nothing and causes no forces.
+   function contact_problem_from(self, motion) result(problem)
+      class(contact_problem_t), intent(in) :: self !! the problem
+      real(dp), intent(in) :: motion(:) !! displacements of the points under the motion (n) [L]
+      type(contact_problem_t) :: problem
+
+      problem = self
+      problem%gap = self%gap - motion(:self%n_points)
+      problem%anchor = self%anchor - motion(self%n_points + 1:)
+   end function contact_problem_from
 
    !> The slip bounds g + phi max(0, lambda_N) for given normal forces (m) [F].
    pure function contact_problem_bound(self, normal_force) result(bound)

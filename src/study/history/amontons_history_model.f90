@@ -283,7 +283,6 @@ contains
       if (all(is_locked .eqv. body%condensation%is_locked)) return
       call lock_motions(body, problem, is_locked, error)
       if (allocated(error)) return
-      call self%solver%find_free_motions(body)
       call condense_history(self, body, problem, error)
    end subroutine history_model_set_locks
 
@@ -463,7 +462,7 @@ contains
             after%solution%displacement(m + 1:) = after%instant%anchor + before%slip
          end if
          call model%solver%solve(body, after%instant, problem, after%solution, after%outcome, after%reason, &
-            after%error_kind)
+            after%error_kind, before%solution)
       end if
       if (any(after%outcome == [outcome_no_equilibrium, outcome_numbers])) return
       after%slip = after%solution%displacement(m + 1:) - after%instant%anchor

@@ -21,7 +21,7 @@ module amontons_sweep_chunk
    use amontons_kinds, only: dp, int64
    use amontons_load_family, only: acting_t, add_part, check_shear, load_case_t, one_part, parting_t, &
       recover_displacements
-   use amontons_load_solver, only: forget_start, load_solver_t, new_load_solver
+   use amontons_load_solver, only: load_solver_t, new_load_solver
    use amontons_material, only: n_strains
    use amontons_model_warnings, only: add_sweep_warnings
    use amontons_named_forces, only: find_responses, force_form_t, named_quantities, named_tests, new_force_form, &
@@ -500,7 +500,6 @@ contains
          if (neighbor >= 1 .and. task%solver%is_auto) then
             if (solutions(neighbor)%is_converged) solutions(i) = solutions(neighbor)
          end if
-         call forget_start(problem, solutions(i))
          call task%solver%solve(body, acting, problem, solutions(i), outcome, reason, kind)
          if (outcome == outcome_numbers) then
             chunk%fault_kind = kind
