@@ -9,7 +9,7 @@ module amontons_face
    implicit none (type, external)
    private
 
-   public :: face_t, new_face, set_faces
+   public :: face_t, new_face, place_side, set_faces
 
    !> A face with what is integrated over it at its Gauss points, exact for products of quadratic functions.
    type :: face_t
@@ -79,5 +79,25 @@ contains
       if (present(materials)) face%depth = materials%list(materials%of_element(face%element))%depth(face%position(1, :))
       face%area = face%length*face%depth
    end subroutine new_face
+
+   !> Evaluates a side at its first corner, its second corner and its middle, that of the chord where it is straight.
+   pure subroutine place_side(position, normal, nodes, coordinates)
+      real(dp), intent(out) :: position(2, 3) !! coordinates of the three places [L]
+      real(dp), intent(out) :: normal(2, 3) !! unit outward normals there [-]
+      integer, intent(in) :: nodes(3) !! first corner, second corner, middle or 0; body on the left
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
+      real(dp) :: values(3), slopes(3), along(2)
+      integer :: k
+
+      position(:, :2) = coordinates(:, nodes(:2))
+      position(:, 3) = 0.5_dp*(position(:, 1) + position(:, 2))
+      if (nodes(3) > 0) position(:, 3) = coordinates(:, nodes(3))
+      do k = 1, 3
+         call side_shapes(nodes(3) > 0, xi(k), values, slopes)
+         along = matmul(position, slopes)
+         normal(:, k) = [along(2), -along(1)]/norm2(along)
+      end do
+   end subroutine place_side
 
 end module amontons_face

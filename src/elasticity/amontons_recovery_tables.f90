@@ -7,7 +7,8 @@
 module amontons_recovery_tables
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
-   use amontons_element, only: n_corners, n_sampling_points, side_shapes
+   use amontons_element, only: n_corners, n_sampling_points
+   use amontons_face, only: place_side
    use amontons_frame, only: turned
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
@@ -22,10 +23,9 @@ module amontons_recovery_tables
       new_boundary_sides, new_patch_table, new_recovery_tables, patch_table_t, recovery_tables_t, samples_t, &
       solve_normal, sum_samples
 
-   !> The traction on a side of the boundary, at its first corner, its middle and its second corner.
+   !> The traction on a side of the boundary, at its first corner, its second corner and its middle.
    type :: known_traction_t
-      integer :: corner(2) = 0 !! first and second corner node; the body is on the left
-      integer :: middle = 0 !! node in the middle, 0 on a side of a linear element
+      integer :: node(3) = 0 !! first corner, second corner, middle or 0; the body is on the left
       integer :: element = 0 !! the element of the side
       real(dp) :: position(2, 3) = 0.0_dp !! coordinates of the three places [L]
       real(dp) :: normal(2, 3) = 0.0_dp !! unit outward normal there [-]
@@ -124,25 +124,15 @@ contains
       integer, intent(in) :: outer(:) !! numbers of the elements' sides on its boundary
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      real(dp) :: x(2, 3), values(3), slopes(3), tangent(2)
-      integer :: i, k, nodes(3)
+      integer :: i
 
       call new_tag_map(tractions%place, outer)
       allocate (tractions%side(size(outer)))
       do i = 1, size(outer)
          associate (side => tractions%side(i))
             side%element = side_element(outer(i))
-            nodes = mesh%side(side%element, side_place(outer(i)))
-            side%corner = nodes(:2)
-            side%middle = nodes(3)
-            x = 0.0_dp
-            x(:, :count(nodes > 0)) = mesh%coordinates(:, pack(nodes, nodes > 0))
-            do k = 1, 3
-               call side_shapes(nodes(3) > 0, real(k - 2, dp), values, slopes)
-               side%position(:, k) = matmul(x, values)
-               tangent = matmul(x, slopes)
-               side%normal(:, k) = [tangent(2), -tangent(1)]/norm2(tangent)
-            end do
+            side%node = mesh%side(side%element, side_place(outer(i)))
+            call place_side(side%position, side%normal, side%node, mesh%coordinates)
             side%is_known = .not. (held(side, constraints, 1) .and. held(side, constraints, 2))
          end associate
       end do
@@ -187,7 +177,7 @@ contains
       integer, intent(in) :: corner !! the corner, 1 or 2
       logical :: held(2)
 
-      associate (normal => side%normal(:, 2), node => side%corner(corner))
+      associate (normal => side%normal(:, 3), node => side%node(corner))
          held = .not. [constraints%leaves_free(node, normal), constraints%leaves_free(node, turned(normal))] &
             .or. constraints%rigid_of(node) > 0
       end associate
@@ -208,10 +198,9 @@ contains
          do i = 1, size(set_sides%element)
             associate (side => self%side(self%place%find(side_number(set_sides%element(i), set_sides%side(i)))))
                side%is_known = .not. (held(side, constraints, 1) .or. held(side, constraints, 2))
-               at_places(:, 1) = traction(:, side%corner(1))
-               at_places(:, 3) = traction(:, side%corner(2))
-               at_places(:, 2) = 0.5_dp*(at_places(:, 1) + at_places(:, 3))
-               if (side%middle > 0) at_places(:, 2) = traction(:, side%middle)
+               at_places(:, :2) = traction(:, side%node(:2))
+               at_places(:, 3) = 0.5_dp*(at_places(:, 1) + at_places(:, 2))
+               if (side%node(3) > 0) at_places(:, 3) = traction(:, side%node(3))
                side%traction = side%traction + at_places
             end associate
          end do
@@ -225,7 +214,7 @@ contains
       integer :: i
 
       do i = 1, size(self%side)
-         if (all(is_marked(self%side(i)%corner))) self%side(i)%is_known = .false.
+         if (all(is_marked(self%side(i)%node(:2)))) self%side(i)%is_known = .false.
       end do
    end subroutine known_tractions_forget
 

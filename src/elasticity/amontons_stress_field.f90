@@ -426,11 +426,11 @@ contains
          joint((i - 1)*n + 1:i*n, 1) = of_tensor(i)*right(:, i)
       end do
       do i = 1, size(tractions)
-         call add_traction(matrix, joint(:, 1), frame, normal(1, 1), tractions(i), 2)
+         call add_traction(matrix, joint(:, 1), frame, normal(1, 1), tractions(i), 3)
       end do
       place = 0
       do i = 1, min(2, size(tractions))
-         place(i) = merge(1, 3, tractions(i)%corner(1) == node)
+         place(i) = merge(1, 2, tractions(i)%node(1) == node)
       end do
       is_smooth = size(tractions) == 2
       if (is_smooth) is_smooth = place(1) /= place(2) .and. all(tractions(1)%is_known .eqv. tractions(2)%is_known) &
@@ -439,12 +439,12 @@ contains
          ! At the node as in the middle of a side, with the mean of normals and tractions.
          mean = tractions(1)
          associate (one => tractions(1), other => tractions(2))
-            mean%position(:, 2) = one%position(:, place(1))
-            mean%normal(:, 2) = one%normal(:, place(1)) + other%normal(:, place(2))
-            mean%normal(:, 2) = mean%normal(:, 2)/norm2(mean%normal(:, 2))
-            mean%traction(:, 2) = 0.5_dp*(one%traction(:, place(1)) + other%traction(:, place(2)))
+            mean%position(:, 3) = one%position(:, place(1))
+            mean%normal(:, 3) = one%normal(:, place(1)) + other%normal(:, place(2))
+            mean%normal(:, 3) = mean%normal(:, 3)/norm2(mean%normal(:, 3))
+            mean%traction(:, 3) = 0.5_dp*(one%traction(:, place(1)) + other%traction(:, place(2)))
          end associate
-         call add_traction(matrix, joint(:, 1), frame, normal(1, 1), mean, 2)
+         call add_traction(matrix, joint(:, 1), frame, normal(1, 1), mean, 3)
       else
          do i = 1, min(2, size(tractions))
             call add_traction(matrix, joint(:, 1), frame, normal(1, 1), tractions(i), place(i))
@@ -462,7 +462,7 @@ contains
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       real(dp), intent(in) :: n_samples !! number of samples, by weight
       type(known_traction_t), intent(in) :: side !! the side
-      integer, intent(in) :: place !! 1, 2 or 3: first corner, middle, second corner
+      integer, intent(in) :: place !! 1, 2 or 3: first corner, second corner, middle
       ! Each equation weighs as much as ten times all samples: samples that contradict it change it by a few percent.
       real(dp), parameter :: weight = 10.0_dp
       real(dp) :: row(size(right)), direction(2), p(max_terms)
@@ -523,7 +523,7 @@ contains
          first = mesh%node_start(tractions(i)%element)
          do k = 1, 2
             patch(k, i) = patches%at_corner(tractions(i)%element, first - 1 &
-               + findloc(mesh%node(first:mesh%node_start(tractions(i)%element + 1) - 1), tractions(i)%corner(k), dim=1))
+               + findloc(mesh%node(first:mesh%node_start(tractions(i)%element + 1) - 1), tractions(i)%node(k), dim=1))
          end do
       end do
       call fill_bins(recovered%side_start, side, reshape(patch, [size(patch)]), size(patches%node))

@@ -26,13 +26,6 @@ module amontons_contact_cells
    !> Nodes and quadrature points of a part of a side.
    integer, parameter :: n_segment_nodes = 3, n_segment_points = 3
 
-   !> A part of a side that belongs to one cell.
-   type :: segment_t
-      integer :: side = 0 !! the side
-      integer :: cell = 0 !! the cell
-      real(dp) :: range(2) = [-1.0_dp, 1.0_dp] !! local coordinates of its ends on the side, from -1 to 1 [-]
-   end type segment_t
-
    !> The cells in the order of the line.
    type :: contact_cells_t
       integer :: n_cells = 0 !! number of cells
@@ -43,7 +36,8 @@ module amontons_contact_cells
       real(dp), allocatable :: normal(:, :) !! mean unit normal (n_dim, n_cells) [-]
       type(contact_rows_t) :: rows !! the nodes' shares in the mean displacements
       type(contact_quadrature_t) :: quadrature !! the quadrature points
-      type(segment_t), allocatable :: segments(:) !! the parts of the sides, cell by cell
+      type(mortar_segment_t), allocatable :: segments(:)
+         !! the parts of the sides, cell by cell, with the cell in the place of the side of the master
       logical, allocatable :: is_held(:) !! whether supports hold all its nodes along its normal (n_cells)
       logical, allocatable :: is_fixed(:, :) !! whether supports bear the shear of all its nodes (n_tangents, n_cells)
    end type contact_cells_t
@@ -97,7 +91,7 @@ contains
       real(dp), allocatable :: ends(:)
       real(dp) :: lengths(size(sides, 2))
       integer :: first, last, i, n, cell, k
-      type(segment_t) :: segment
+      type(mortar_segment_t) :: segment
       real(dp) :: begin
 
       lengths = [(length_up_to(sides(:, i), mesh, 1.0_dp), i=1, size(sides, 2))]
@@ -118,15 +112,15 @@ contains
          cell = 1
          begin = 0.0_dp
          do k = 1, last - first + 1
-            segment%side = first + k - 1
+            segment%slave = first + k - 1
             segment%range = -1.0_dp
             do
-               segment%cell = cells%n_cells + cell
+               segment%master = cells%n_cells + cell
                segment%range(1) = segment%range(2)
                segment%range(2) = 1.0_dp
                ! A cell that ends next to a node ends there.
                if (ends(cell + 1) < begin + (1.0_dp - computed_rounding)*lengths(first + k - 1)) segment%range(2) = &
-                  place_at(sides(:, segment%side), mesh, ends(cell + 1) - begin)
+                  place_at(sides(:, segment%slave), mesh, ends(cell + 1) - begin)
                cells%segments = [cells%segments, segment]
                if (ends(cell + 1) < begin + (1.0_dp + computed_rounding)*lengths(first + k - 1)) cell = min( &
                   cell + 1, size(ends) - 1)
@@ -176,7 +170,7 @@ contains
       type(patch_t), intent(in) :: patch !! the patch of the set
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       real(dp), intent(in) :: direction(2) !! along which gaps count; 0, 0 for the body's normal [-]
-      type(segment_t) :: segment
+      type(mortar_segment_t) :: segment
       integer :: n_segments(cells%n_cells), sides(4, size(patch%faces)), side(4), i, cell, k, point, before, place
       type(face_t) :: face
       real(dp) :: normal(2), outward(2), begin(maxval(patch%node))
@@ -185,18 +179,18 @@ contains
       begin(patch%node) = patch%line%arc_length
       allocate (cells%length(cells%n_cells), cells%area(cells%n_cells), cells%center(2, cells%n_cells), &
          cells%normal(2, cells%n_cells), source=0.0_dp)
-      n_segments = [(count(cells%segments%cell == cell), cell=1, cells%n_cells)]
+      n_segments = [(count(cells%segments%master == cell), cell=1, cells%n_cells)]
       call cells%rows%begin(n_segment_nodes*n_segments, body%materials%n_components())
       call cells%quadrature%begin(n_segment_points*n_segments, size(normal))
       do i = 1, size(cells%segments)
          segment = cells%segments(i)
-         side = sides(:, segment%side)
+         side = sides(:, segment%slave)
          call new_face(face, side, body%mesh, body%materials, segment%range)
          before = n_segment_nodes*(i - 1)
          ! A straight side has no middle node; its part there is 0.
          cells%rows%node(before + 1:before + n_segment_nodes) = merge(side(:3), side(1), side(:3) > 0)
          do point = 1, n_segment_points
-            associate (area => face%area(point), position => face%position(:, point), own => segment%cell)
+            associate (area => face%area(point), position => face%position(:, point), own => segment%master)
                outward = face%outward(:, point)/face%length(point)
                normal = outward
                if (any(abs(direction) > 0.0_dp)) normal = unit_vector(direction)
@@ -245,8 +239,7 @@ contains
 
       call new_contact_cells(cells, body, pair%patch, partition, no_direction, error)
       if (allocated(error)) return
-      pair%cells = [(mortar_segment_t(cells%segments(k)%side, cells%segments(k)%cell, cells%segments(k)%range), &
-         k=1, size(cells%segments))]
+      pair%cells = cells%segments
       call cell_pieces(pieces, pair%segments, pair%cells)
       call join_cells(cells, pieces, pair, neighbor)
       kept = pack([(cell, cell=1, cells%n_cells)], neighbor == [(cell, cell=1, cells%n_cells)])

@@ -29,6 +29,7 @@ module amontons_mortar_pair
    use amontons_contact_set, only: pairing_t
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_face, only: place_side
    use amontons_frame, only: new_frame, new_frames
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
@@ -792,17 +793,13 @@ contains
       real(dp), intent(in) :: depth !! largest thickness of interest [L]
       real(dp), parameter :: aslant = 0.906_dp ! the cosine of 25 degrees
       integer, allocatable :: outer(:)
-      real(dp) :: corner(2, 3), xi(2), values(3), slopes(3), way, along(2)
+      real(dp) :: corner(2, 3), normal(2, 3), xi(2), values(3), slopes(3), way, along(2)
       integer :: i, k
 
       thickness = huge(1.0_dp)
       outer = outer_sides(mesh)
       do i = 1, size(outer)
-         associate (nodes => mesh%side(side_element(outer(i)), side_place(outer(i))))
-            corner(:, :2) = mesh%coordinates(:, nodes(:2))
-            corner(:, 3) = 0.5_dp*(corner(:, 1) + corner(:, 2))
-            if (nodes(3) > 0) corner(:, 3) = mesh%coordinates(:, nodes(3))
-         end associate
+         call place_side(corner, normal, mesh%side(side_element(outer(i)), side_place(outer(i))), mesh%coordinates)
          xi = meet_side(corner, position, direction)
          do k = 1, 2
             if (abs(xi(k)) > 1.0_dp) cycle

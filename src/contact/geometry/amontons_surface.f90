@@ -14,6 +14,7 @@ module amontons_surface
    use amontons_boundary, only: patch_t
    use amontons_constraints, only: constraints_t
    use amontons_element, only: side_shapes
+   use amontons_face, only: place_side
    use amontons_kinds, only: dp
    use amontons_material, only: material_t, materials_t, on_axis
    use amontons_mesh, only: mesh_t
@@ -129,10 +130,8 @@ contains
       class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(in) :: sides(:, :)
          !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
-      real(dp), parameter :: xi(3) = [-1.0_dp, 1.0_dp, 0.0_dp]
-      type(surface_place_t) :: place
       real(dp) :: mean(2)
-      integer :: i, k, side_from(body%mesh%n_nodes), next
+      integer :: i, side_from(body%mesh%n_nodes), next
       ! Cosine of the smallest angle between two sides at a corner: 40 degrees.
       real(dp), parameter :: sharp = 0.766_dp
 
@@ -141,17 +140,10 @@ contains
       surface%material = body%materials%list(body%materials%of_element(surface%side(4, :)))
       allocate (surface%corner(2, 3, surface%n_sides), surface%normal(2, 3, surface%n_sides))
       do i = 1, surface%n_sides
-         associate (corner => surface%corner(:, :, i), nodes => surface%side(:3, i))
-            corner(:, :2) = body%mesh%coordinates(:, nodes(:2))
-            corner(:, 3) = 0.5_dp*(corner(:, 1) + corner(:, 2))
-            if (nodes(3) > 0) corner(:, 3) = body%mesh%coordinates(:, nodes(3))
+         associate (corner => surface%corner(:, :, i))
+            call place_side(corner, surface%normal(:, :, i), surface%side(:3, i), body%mesh%coordinates)
             surface%longest = max(surface%longest, norm2(corner(:, 2) - corner(:, 1)))
          end associate
-         surface%normal(:, :, i) = 0.0_dp
-         do k = 1, 3
-            place = surface%place(i, xi(k))
-            surface%normal(:, k, i) = place%outward()
-         end do
       end do
       allocate (surface%box(2, 2, (surface%n_sides + n_boxed - 1)/n_boxed))
       do i = 1, size(surface%box, 3)

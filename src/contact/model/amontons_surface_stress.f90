@@ -7,8 +7,9 @@ module amontons_surface_stress
    use amontons_body, only: body_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_element, only: n_side_points, side_abscissa, side_shapes, side_weight
+   use amontons_element, only: side_abscissa, side_shapes
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_face, only: face_t, set_faces
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t
    use amontons_material, only: axes_at_angle, in_plane, material_t, n_strains, turned_compliance
@@ -33,9 +34,9 @@ module amontons_surface_stress
       procedure :: stress => surface_stress_stress
    end type surface_stress_t
 
-   !> A quadrature point on a side.
+   !> A quadrature point on a face.
    type :: place_t
-      integer :: side = 0 !! number of the side
+      integer :: face = 0 !! number of the face
       real(dp) :: xi = 0.0_dp !! local coordinate, from -1 to 1 [-]
       real(dp) :: weight = 0.0_dp !! weight in the mean over the point's part of the line
    end type place_t
@@ -52,7 +53,7 @@ contains
       real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (2, n_nodes, parts) [L]
       type(error_t), allocatable, intent(out) :: error !! a set is missing, or the body is twisted
       type(place_t), allocatable :: places(:)
-      integer, allocatable :: sides(:, :)
+      type(face_t), allocatable :: faces(:)
       integer :: p, set
 
       if (body%materials%is_twisted()) then
@@ -68,54 +69,50 @@ contains
          do p = 1, m
             if (zone%set(p) /= set) then
                set = zone%set(p)
-               call body%mesh%set_sides(contacts(set)%set, sides, error)
+               call set_faces(faces, body%mesh, contacts(set)%set, error, body%materials)
                ! not raised: the zone has points of this set
                if (allocated(error)) return
             end if
             if (zone%is_cell(p)) then
-               call find_cell_places(places, zone, p, sides, body%mesh%coordinates)
+               call find_cell_places(places, zone, p, faces, body%mesh%coordinates)
             else
-               call find_node_places(places, zone%position(:, p), sides, body)
+               call find_node_places(places, zone%position(:, p), faces, body)
             end if
-            call add_point(surface, p, places, sides, body, parts, fields)
+            call add_point(surface, p, places, faces, body, parts, fields)
          end do
       end associate
    end subroutine new_surface_stress
 
-   !> The quadrature points of the sides at a node, weighted by its shape function and the depth.
-   pure subroutine find_node_places(places, position, sides, body)
+   !> The quadrature points of the faces at a node, weighted by its shape function and the depth.
+   pure subroutine find_node_places(places, position, faces, body)
       type(place_t), allocatable, intent(out) :: places(:) !! the places
       real(dp), intent(in) :: position(2) !! coordinates of the node [L]
-      integer, intent(in) :: sides(:, :) !! the sides of the set (4, sides)
+      type(face_t), intent(in) :: faces(:) !! the faces of the set
       type(body_t), intent(in) :: body !! the body
-      type(material_t) :: material
-      real(dp) :: values(3), slopes(3), along(2), x(2)
       integer :: i, k, point
 
       allocate (places(0))
-      do i = 1, size(sides, 2)
-         do k = 1, count(sides(:3, i) > 0)
-            if (any(abs(body%mesh%coordinates(:, body%partner(sides(k, i))) - position) > 0.0_dp)) cycle
-            material = body%materials%list(body%materials%of_element(sides(4, i)))
-            do point = 1, n_side_points
-               call side_shapes(sides(3, i) > 0, side_abscissa(point), values, slopes)
-               x = on_side(values, sides(:3, i), body%mesh%coordinates)
-               along = on_side(slopes, sides(:3, i), body%mesh%coordinates)
-               ! With the depth a corner of a quadratic side on the axis of revolution would have no weight.
-               places = [places, place_t(i, side_abscissa(point), side_weight(point)*values(k)*norm2(along) &
-                  *merge(material%depth(x(1)), 1.0_dp, sides(3, i) == 0 .or. .not. material%is_axisymmetric .or. &
-                  position(1) > input_rounding*x(1)))]
-            end do
+      do i = 1, size(faces)
+         do k = 1, faces(i)%n_nodes
+            associate (face => faces(i))
+               if (any(abs(body%mesh%coordinates(:, body%partner(face%node(k))) - position) > 0.0_dp)) cycle
+               do point = 1, size(face%area)
+                  ! With the depth a corner of a quadratic side on the axis of revolution would have no weight.
+                  places = [places, place_t(i, side_abscissa(point), face%values(k, point)*merge(face%area(point), &
+                     face%length(point), face%n_nodes == 2 .or. .not. body%is_axisymmetric .or. &
+                     position(1) > input_rounding*face%position(1, point)))]
+               end do
+            end associate
          end do
       end do
    end subroutine find_node_places
 
-   !> The quadrature points of a cell, each on the side that is nearest to it.
-   pure subroutine find_cell_places(places, zone, p, sides, coordinates)
+   !> The quadrature points of a cell, each on the face that is nearest to it.
+   pure subroutine find_cell_places(places, zone, p, faces, coordinates)
       type(place_t), allocatable, intent(out) :: places(:) !! the places
       type(contact_zone_t), intent(in) :: zone !! the contact points
       integer, intent(in) :: p !! the cell
-      integer, intent(in) :: sides(:, :) !! the sides of the set (4, sides)
+      type(face_t), intent(in) :: faces(:) !! the faces of the set
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
       real(dp) :: values(3), slopes(3), xi, distance, least
       integer :: q, i
@@ -124,14 +121,14 @@ contains
       do q = 1, size(places)
          least = huge(least)
          associate (at => zone%quadrature%start(p) + q - 1)
-            do i = 1, size(sides, 2)
-               associate (first => coordinates(:, sides(1, i)), chord => coordinates(:, sides(2, i)) &
-                  - coordinates(:, sides(1, i)))
-                  xi = 2.0_dp*dot_product(zone%quadrature%position(:, at) - first, chord)/sum(chord**2) - 1.0_dp
+            do i = 1, size(faces)
+               associate (x => coordinates(:, faces(i)%node(:faces(i)%n_nodes)), &
+                  position => zone%quadrature%position(:, at))
+                  xi = 2.0_dp*dot_product(position - x(:, 1), x(:, 2) - x(:, 1))/sum((x(:, 2) - x(:, 1))**2) - 1.0_dp
+                  xi = min(1.0_dp, max(-1.0_dp, xi))
+                  call side_shapes(faces(i)%n_nodes > 2, xi, values, slopes)
+                  distance = norm2(matmul(x, values(:faces(i)%n_nodes)) - position)
                end associate
-               xi = min(1.0_dp, max(-1.0_dp, xi))
-               call side_shapes(sides(3, i) > 0, xi, values, slopes)
-               distance = norm2(on_side(values, sides(:3, i), coordinates) - zone%quadrature%position(:, at))
                if (.not. distance < least) cycle
                least = distance
                places(q) = place_t(i, xi, zone%quadrature%share(at))
@@ -142,11 +139,11 @@ contains
 
    !> Makes the sums of a point. Strains along the surface and out of the plane are the compliance times all stresses:
    !> the part that does not come from the traction comes from the two unknown stresses.
-   subroutine add_point(surface, p, places, sides, body, parts, fields)
+   subroutine add_point(surface, p, places, faces, body, parts, fields)
       type(surface_stress_t), intent(inout) :: surface !! gains the point
       integer, intent(in) :: p !! the point
       type(place_t), intent(in) :: places(:) !! places on its part of the line
-      integer, intent(in) :: sides(:, :) !! the sides of its set (4, sides)
+      type(face_t), intent(in) :: faces(:) !! the faces of its set
       type(body_t), intent(in) :: body !! the body, condensed
       type(load_case_t), intent(in) :: parts(:) !! the parts, for their thermal strain
       real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (2, n_nodes, parts) [L]
@@ -162,12 +159,13 @@ contains
       share = 0.0_dp
       outward = 0.0_dp
       do j = 1, size(places)
-         associate (side => sides(:, places(j)%side))
+         associate (n => faces(places(j)%face)%n_nodes, nodes => faces(places(j)%face)%node, &
+            element => faces(places(j)%face)%element)
             weight = places(j)%weight/sum(places%weight)
-            material = body%materials%list(body%materials%of_element(side(4)))
-            call side_shapes(side(3) > 0, places(j)%xi, values, slopes)
-            position = on_side(values, side(:3), body%mesh%coordinates)
-            along = on_side(slopes, side(:3), body%mesh%coordinates)
+            material = body%materials%list(body%materials%of_element(element))
+            call side_shapes(n > 2, places(j)%xi, values, slopes)
+            position = matmul(body%mesh%coordinates(:, nodes(:n)), values(:n))
+            along = matmul(body%mesh%coordinates(:, nodes(:n)), slopes(:n))
             tangent = along/norm2(along)
             compliance = surface_compliance(material, tangent)
             if (material%is_plane_stress) then
@@ -178,8 +176,8 @@ contains
             end if
             share = share - weight*matmul(law, compliance(3:, :2))
             outward = outward + weight*[tangent(2), -tangent(1)]
-            do k = 1, count(side(:3) > 0)
-               associate (factors => field(:, side(k), :))
+            do k = 1, n
+               associate (factors => field(:, nodes(k), :))
                   do i = 1, 2
                      factors(:, i) = factors(:, i) + weight*law(i, 1)*slopes(k)*along/sum(along**2)
                      if (material%is_axisymmetric) factors(1, i) = factors(1, i) &
@@ -188,21 +186,21 @@ contains
                end associate
             end do
             if (.not. allocated(parts(1)%element_load)) cycle
-            associate (first => body%mesh%node_start(side(4)), last => body%mesh%node_start(side(4) + 1) - 1)
+            associate (first => body%mesh%node_start(element), last => body%mesh%node_start(element + 1) - 1)
                form = material%expansion_form()
                strain = [dot_product(form(in_plane), [tangent**2, product(tangent)]), form(3)]
                do i = 1, size(parts)
                   expansion = 0.0_dp
-                  do k = 1, count(side(:3) > 0)
+                  do k = 1, n
                      expansion = expansion + values(k)*parts(i)%element_load(first - 1 &
-                        + findloc(body%mesh%node(first:last), side(k), dim=1))
+                        + findloc(body%mesh%node(first:last), nodes(k), dim=1))
                   end do
                   thermal(:, i) = thermal(:, i) + weight*expansion*matmul(law, strain)
                end do
             end associate
          end associate
       end do
-      material = body%materials%list(body%materials%of_element(sides(4, places(1)%side)))
+      material = body%materials%list(body%materials%of_element(faces(places(1)%face)%element))
       associate (normal => body%zone%normal(p))
          surface%outward(:, p) = [dot_product(normal, outward), normal(1)*outward(2) - normal(2)*outward(1)] &
             /norm2(outward)
@@ -240,20 +238,6 @@ contains
       turned = turned_compliance(material%compliance, axes_at_angle(atan2(-tangent(1), tangent(2))))
       compliance = turned(order, order)
    end function surface_compliance
-
-   !> A sum over the nodes of a side of their coordinates times factors (2).
-   pure function on_side(factors, side, coordinates) result(vector)
-      real(dp), intent(in) :: factors(3) !! factors of first corner, second corner, middle [-]
-      integer, intent(in) :: side(3) !! first corner, second corner, middle or 0
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
-      real(dp) :: vector(2)
-      integer :: k
-
-      vector = 0.0_dp
-      do k = 1, count(side > 0)
-         vector = vector + factors(k)*coordinates(:, side(k))
-      end do
-   end function on_side
 
    !> Stresses of each point in the frame of the surface: normal, shear (positive where the traction is along the
    !> tangent), along the surface, out of the plane (4, m) [F/L^2].
