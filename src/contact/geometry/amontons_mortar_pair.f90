@@ -1,10 +1,6 @@
 !> A pair of boundary sets that face each other: their surfaces, their segments, and the corners of the slave that carry
 !> multipliers.
 !>
-!> Nodes and sides that a contact set or tie has taken are left alone by later ones. A list of followers keeps them: for
-!> each node the next node on the taken side that begins there; the node itself where no taken side begins, as at the
-!> end of a line; 0 for a node that no set has, -1 while a later set has the same slave.
-!>
 !> Checks refuse contact points of a pair that do not go with its mesh or supports.
 !>
 !> The contact points of a pair: multipliers on the slave, integrals D and M, gaps.
@@ -38,13 +34,14 @@ module amontons_mortar_pair
    use amontons_rounding, only: exceeds, first_largest, input_rounding
    use amontons_surface, only: find_segments, meet_side, meshed_body_t, mortar_segment_t, new_surface, &
       surface_place_t, surface_t
+   use amontons_taken, only: taken_t
    use amontons_text, only: place_text, short_text
    implicit none (type, external)
    private
 
    public :: cell_pieces, check_ends, check_overlap, gauss_rule, gauss_rule_t, held_slave_text, integrate_pair, &
-      inverse, least_cover, mark_facing_sides, mark_patch, mortar_pair_t, mortar_piece_t, mortar_points_t, &
-      n_quadrature_points, new_mortar_pair
+      inverse, least_cover, mortar_pair_t, mortar_piece_t, mortar_points_t, &
+      n_quadrature_points, new_mortar_pair, take_facing_sides
 
    !> Share of a side or cell that the master covers, from one end on, for a multiplier of the other end. Where it is
    !> less the multiplier would hold the master's slope, prolonged by far, and its pressure grow without bound. It is
@@ -418,12 +415,12 @@ contains
    end function mortar_pair_is_set
 
    !> Finds where two boundary sets face each other.
-   subroutine new_mortar_pair(pair, set, pairing, body, follower, error)
+   subroutine new_mortar_pair(pair, set, pairing, body, taken, error)
       type(mortar_pair_t), intent(out) :: pair !! the pair
       character(*), intent(in) :: set !! name of the slave's boundary set
       type(pairing_t), intent(in) :: pairing !! the master, and how far gaps may reach
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      integer, intent(in) :: follower(:) !! nodes of earlier sets, see `amontons_mortar_pair` (nodes)
+      type(taken_t), intent(in) :: taken !! what earlier sets have
       type(error_t), allocatable, intent(out) :: error
          !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
          !! that cross before they meet the master
@@ -473,7 +470,7 @@ contains
       end if
       call check_rays(pair, error)
       if (allocated(error)) return
-      call number_points(pair, body%constraints, follower, is_master, pairing%is_tied)
+      call number_points(pair, body%constraints, taken, is_master, pairing%is_tied)
    end subroutine new_mortar_pair
 
    !> Refuses a slave whose normals cross before they meet the master, as those of a concave surface do beyond its
@@ -535,16 +532,16 @@ contains
 
    !> Chooses the corners that are points: those that face the master and that supports leave a motion on which
    !> multipliers act. Finds the sides that transmit no force although no support holds them.
-   pure subroutine number_points(pair, constraints, follower, is_master, is_tied)
+   pure subroutine number_points(pair, constraints, taken, is_master, is_tied)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its segments
       type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: follower(:) !! nodes of earlier sets, see `amontons_mortar_pair` (nodes)
+      type(taken_t), intent(in) :: taken !! what earlier sets have
       logical, intent(in) :: is_master(:) !! the nodes of the master (nodes)
       logical, intent(in) :: is_tied !! whether the surfaces are bonded: a point may then move along its tangent alone
-      real(dp) :: normal(2, size(follower))
-      logical :: is_open(size(follower)), faces(size(follower)), is_idle(pair%slave%n_sides)
+      real(dp) :: normal(2, size(is_master))
+      logical :: is_open(size(is_master)), faces(size(is_master)), is_idle(pair%slave%n_sides)
       integer, allocatable :: facing(:)
-      integer :: i, k, point(size(follower))
+      integer :: i, k, point(size(is_master))
       real(dp) :: part(2, pair%slave%n_sides), share(pair%slave%n_sides)
 
       part = covered_parts(pair)
@@ -562,14 +559,15 @@ contains
       end do
       pair%open_node = pack(pair%patch%node, is_open(pair%patch%node))
       ! A single point would be a hinge; but another set may need the corner beyond the end.
-      do i = 1, merge(size(share), 0, count(faces(pair%patch%node)) == 1 .and. all(follower >= 0))
+      do i = 1, merge(size(share), 0, count(faces(pair%patch%node)) == 1 .and. &
+         .not. taken%is_slave_again)
          if (share(i) > 0.0_dp) faces(pair%slave%side(:2, i)) = .true.
       end do
       allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%node(0))
       facing = pack(pair%patch%node, faces(pair%patch%node))
       do i = 1, size(facing)
          associate (node => facing(i))
-            if (follower(node) > 0) then
+            if (taken%node(node)) then
                pair%shared_node = [pair%shared_node, node]
             else if (is_master(node)) then
                pair%joined_node = [pair%joined_node, node]
@@ -595,11 +593,13 @@ contains
       do i = 1, pair%slave%n_sides
          associate (nodes => pair%slave%side(:3, i), first => point(pair%slave%side(1, i)))
             pair%point_of(:, i) = point(nodes(:2))
-            if (first > 0) pair%line%next(first) = pair%point_of(2, i)
-            if (first > 0) pair%covered_share(first) = share(i) + sum(max(0.0_dp, pair%reach(:, i)))
+            if (first > 0) then
+               pair%line%next(first) = pair%point_of(2, i)
+               pair%covered_share(first) = share(i) + sum(max(0.0_dp, pair%reach(:, i)))
+            end if
             is_idle(i) = share(i) > 0.0_dp .and. all(pair%point_of(:, i) == 0) .and. &
                .not. any([(any(pair%held_node == nodes(k)), k=1, 2)]) .and. &
-               follower(nodes(1)) /= merge(nodes(3), nodes(2), nodes(3) > 0)
+               .not. taken%face(pair%patch%faces(i)%number)
          end associate
       end do
       pair%idle_side = pair%slave%corner(:, 3, pack([(i, i=1, size(is_idle))], is_idle))
@@ -656,47 +656,23 @@ contains
       end do
    end function covered_parts
 
-   !> Marks the nodes and sides of a patch as used by a contact set or tie.
-   pure subroutine mark_patch(follower, patch)
-      integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the patch (nodes)
-      type(patch_t), intent(in) :: patch !! the patch of a set
-      integer :: i
-
-      do i = 1, patch%n_nodes
-         associate (next => patch%line%next(i))
-            if (next > 0) call mark_side(follower, patch%node([i, next]), is_whole=.true.)
-         end associate
-      end do
-   end subroutine mark_patch
-
-   !> Marks the nodes and sides of a slave that face its master as used, except for sides that the master covers only
-   !> in part: the rest of these is left to another set.
-   pure subroutine mark_facing_sides(follower, pair)
-      integer, intent(inout) :: follower(:) !! the node that follows each node; gains those of the pair (nodes)
+   !> Adds what of a slave faces its master to what is taken; of a side that the master covers only in part the rest is
+   !> left to another set.
+   pure subroutine take_facing_sides(taken, pair)
+      type(taken_t), intent(inout) :: taken !! what contact sets and ties have
       type(mortar_pair_t), intent(in) :: pair !! the pair
       real(dp) :: share(pair%slave%n_sides)
-      integer :: nodes(3), i
+      integer :: i
 
       share = sum(covered_parts(pair), dim=1)
       do i = 1, pair%slave%n_sides
-         nodes = pair%slave%side(:3, i)
-         ! The corner beyond the master's end has no function.
-         if (pair%lead_side(i) /= i) nodes(:2) = nodes(3)
-         if (.not. share(i) > 0.0_dp .or. nodes(2) == 0) cycle
-         if (nodes(3) > 0) call mark_side(follower, nodes([1, 3]), .not. exceeds(1.0_dp, share(i)))
-         call mark_side(follower, nodes([merge(3, 1, nodes(3) > 0), 2]), .not. exceeds(1.0_dp, share(i)))
+         if (.not. share(i) > 0.0_dp) cycle
+         associate (face => pair%patch%faces(i))
+            ! The corner beyond the master's end has no function.
+            call taken%add(face, face%node(merge(1, 3, pair%lead_side(i) == i):), .not. exceeds(1.0_dp, share(i)))
+         end associate
       end do
-   end subroutine mark_facing_sides
-
-   !> Marks two consecutive nodes of a side as used.
-   pure subroutine mark_side(follower, nodes, is_whole)
-      integer, intent(inout) :: follower(:) !! the node that follows each node (nodes)
-      integer, intent(in) :: nodes(2) !! the nodes, in the order of the line
-      logical, intent(in) :: is_whole !! whether the set has all between them
-
-      where (follower(nodes) <= 0) follower(nodes) = nodes
-      if (is_whole) follower(nodes(1)) = nodes(2)
-   end subroutine mark_side
+   end subroutine take_facing_sides
 
    !> Refuses a side of the slave that has no multiplier at either end and faces a part of the master that may move
    !> along the normal or, where shear may act, along the tangent: no force would be transmitted there. A side of which

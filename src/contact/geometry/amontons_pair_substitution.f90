@@ -13,10 +13,11 @@ module amontons_pair_substitution
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_frame, only: new_frame
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: check_ends, integrate_pair, inverse, mark_facing_sides, mortar_pair_t, &
-      mortar_points_t, n_quadrature_points, new_mortar_pair
+   use amontons_mortar_pair, only: check_ends, integrate_pair, inverse, mortar_pair_t, &
+      mortar_points_t, n_quadrature_points, new_mortar_pair, take_facing_sides
    use amontons_rounding, only: input_rounding, sum_rounding
    use amontons_surface, only: meshed_body_t
+   use amontons_taken, only: taken_t
    use amontons_text, only: place_text
    implicit none (type, external)
    private
@@ -313,10 +314,9 @@ contains
    end subroutine resolve
 
    !> Finds where the bonded boundary sets face each other.
-   subroutine new_tied_pairs(pairs, follower, ties, body, error)
+   subroutine new_tied_pairs(pairs, taken, ties, body, error)
       type(mortar_pair_t), allocatable, intent(out) :: pairs(:) !! the pair of each tie
-      integer, intent(inout) :: follower(:)
-         !! the nodes of slaves, see `amontons_mortar_pair`; gains those of the ties (nodes)
+      type(taken_t), intent(out) :: taken !! what the ties have
       type(tie_t), intent(in) :: ties(:) !! the ties
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(error_t), allocatable, intent(out) :: error !! as of `new_mortar_pair`
@@ -325,16 +325,17 @@ contains
 
       allocate (pairs(size(ties)))
       pairing%is_tied = .true.
+      call taken%begin(body%mesh)
       do i = 1, size(ties)
          pairing%against = ties(i)%to
          pairing%search = ties(i)%search
-         where (follower <= 0) follower = merge(-1, 0, any([(ties(k)%set == ties(i)%set, k=i + 1, size(ties))]))
-         call new_mortar_pair(pairs(i), ties(i)%set, pairing, body, follower, error)
+         taken%is_slave_again = any([(ties(k)%set == ties(i)%set, k=i + 1, size(ties))])
+         call new_mortar_pair(pairs(i), ties(i)%set, pairing, body, taken, error)
          if (.not. allocated(error)) call follow_guides(pairs(i), body%constraints)
          if (.not. allocated(error)) call check_ends(pairs(i), 'exchange set and to', .true., body%constraints, error)
          if (allocated(error)) error%message = ties(i)%origin//error%message
          if (allocated(error)) return
-         call mark_facing_sides(follower, pairs(i))
+         call take_facing_sides(taken, pairs(i))
          if (ties(i)%has_jump) call find_jump(pairs(i), body%constraints, error)
          if (allocated(error)) error%message = ties(i)%origin//error%message
          if (allocated(error)) return

@@ -32,6 +32,7 @@ module amontons_body
    use amontons_stress_field, only: forces_of_stress => internal_forces
    use amontons_surface, only: meshed_body_t
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
+   use amontons_taken, only: taken_t
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, timings_t
    use amontons_text, only: place_text, to_text
    implicit none (type, external)
@@ -139,7 +140,7 @@ contains
       type(substitution_t) :: substitution
       real(dp), allocatable :: prescribed(:, :), joined_area(:)
       type(tie_t), allocatable :: all_ties(:)
-      integer, allocatable :: bonded(:)
+      type(taken_t) :: tied
       type(mortar_points_t) :: points
       type(meshed_body_t) :: joined
       integer :: nothing(0), i
@@ -165,15 +166,14 @@ contains
       if (.not. allocated(error)) call check_rigid_sets(body%meshed_body_t, error, all_ties)
       if (allocated(error)) return
       body%is_axisymmetric = materials(1)%is_axisymmetric
-      allocate (bonded(mesh%n_nodes), source=0)
-      call new_tied_pairs(body%ties, bonded, all_ties, body%meshed_body_t, error)
+      call new_tied_pairs(body%ties, tied, all_ties, body%meshed_body_t, error)
       if (allocated(error)) return
       call join_corners(body%ties, body%partner, joined_area, contacts, body%meshed_body_t)
       call set_preload_jumps(body, supports, all_ties)
       call add_rigid_drives(body, supports)
       joined = body%meshed_body_t
       joined%mesh%node = body%partner(mesh%node)
-      call new_contact_zone(body%zone, joined, contacts, error, bonded)
+      call new_contact_zone(body%zone, joined, contacts, error, tied)
       if (allocated(error)) return
       call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)

@@ -18,12 +18,13 @@ module amontons_contact_zone
    use amontons_frame, only: new_frames
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
-   use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mark_facing_sides, mark_patch, &
-      mortar_pair_t, mortar_points_t, n_quadrature_points, new_mortar_pair
+   use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mortar_pair_t, mortar_points_t, &
+      n_quadrature_points, new_mortar_pair, take_facing_sides
    use amontons_obstacle, only: unit_vector
    use amontons_sparse_lu, only: sparse_lu_t
    use amontons_sparse_matrix, only: entries_t
    use amontons_surface, only: meet_master, meeting_t, meshed_body_t, mortar_segment_t, sides_near
+   use amontons_taken, only: taken_t
    implicit none (type, external)
    private
 
@@ -79,14 +80,14 @@ contains
    !> Collects the contact points. A node that supports hold completely, or along the contact normal, is no point; nor
    !> is one whose sides lie on the axis of revolution, where no pressure acts. A corner of two rigid obstacles is a
    !> point of each; of a slave and an earlier set it is one of the latter alone.
-   subroutine new_contact_zone(zone, body, contacts, error, bonded)
+   subroutine new_contact_zone(zone, body, contacts, error, tied)
       type(contact_zone_t), intent(out) :: zone !! the points
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(error_t), allocatable, intent(out) :: error !! a missing set, or no point at all
-      integer, intent(in), optional :: bonded(:)
-         !! the nodes of the slaves of ties, see `amontons_mortar_pair`; none without it (nodes)
-      integer :: follower(body%mesh%n_nodes), nothing(0), i, k, n_dim
+      type(taken_t), intent(in), optional :: tied !! what ties have; nothing without it
+      type(taken_t) :: taken
+      integer :: nothing(0), i, k, n_dim
 
       zone%n_tangents = body%materials%n_components() - 1
       n_dim = size(body%mesh%coordinates, 1)
@@ -102,15 +103,14 @@ contains
          allocate (zone%line)
          allocate (zone%line%next(0))
       end if
-      follower = 0
-      if (present(bonded)) follower = bonded
+      call taken%begin(body%mesh)
+      if (present(tied)) taken = tied
       do i = 1, size(contacts)
-         where (follower <= 0) follower = merge(-1, 0, any([(contacts(k)%set == contacts(i)%set, k=i + 1, &
-            size(contacts))]))
+         taken%is_slave_again = any([(contacts(k)%set == contacts(i)%set, k=i + 1, size(contacts))])
          if (contacts(i)%pairing%is_pair()) then
-            call add_pair(zone, i, contacts(i), body, follower, error)
+            call add_pair(zone, i, contacts(i), body, taken, error)
          else
-            call add_set(zone, i, contacts(i), body, follower, error)
+            call add_set(zone, i, contacts(i), body, taken, error)
          end if
          if (.not. allocated(error)) cycle
          error%message = contacts(i)%origin//error%message
@@ -128,27 +128,29 @@ contains
    end subroutine new_contact_zone
 
    !> Adds the points of a set that faces a rigid obstacle.
-   subroutine add_set(zone, set, contact, body, follower, error)
+   subroutine add_set(zone, set, contact, body, taken, error)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       type(contact_t), intent(in) :: contact !! the contact set
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      integer, intent(inout) :: follower(:)
-         !! the nodes of earlier sets, see `amontons_mortar_pair`; gains those of this one (nodes)
+      type(taken_t), intent(inout) :: taken !! what earlier sets have; gains what this one has
       type(error_t), allocatable, intent(out) :: error !! a missing set, or nothing is left of it
       type(patch_t) :: patch
+      integer :: i
 
       call new_patch(patch, body%mesh, contact%set, error, body%materials)
       if (allocated(error)) return
       if (contact%partition%is_constant) then
          call add_cells(zone, set, contact, patch, body, error)
       else
-         call add_nodes(zone, set, contact%direction, patch, body, follower)
+         call add_nodes(zone, set, contact%direction, patch, body, taken)
       end if
-      if (all(zone%set /= set) .and. all(follower(patch%node) > 0)) call new_error(error, input_refused, &
+      if (all(zone%set /= set) .and. all(taken%node(patch%node))) call new_error(error, input_refused, &
          'every node of this contact set belongs to an earlier one; a set meets one obstacle: split its curve '// &
          'where the other begins, or draw both as one polyline')
-      call mark_patch(follower, patch)
+      do i = 1, size(patch%faces)
+         call taken%add(patch%faces(i), patch%faces(i)%node, is_whole=.true.)
+      end do
    end subroutine add_set
 
    !> Finds the corners of slaves that supports guide, or hold around the axis, but at which friction acts since the
@@ -303,26 +305,26 @@ contains
    !> A corner of a quadratic side on the axis of revolution has no area, since pressures do no work on its shape
    !> function N_a. With a share of that of the middle node, N_a + alpha N_b and (1 - alpha) N_b, both have one: the
    !> first unknown is the displacement of the corner, the second is (u_b - alpha u_a) / (1 - alpha) in place of u_b.
-   pure subroutine add_nodes(zone, set, direction, patch, body, follower)
+   pure subroutine add_nodes(zone, set, direction, patch, body, taken)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       real(dp), intent(in) :: direction(:) !! along which its gaps count; 0 for the body's normal (n_dim) [-]
       type(patch_t), intent(in) :: patch !! its patch
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_mortar_pair` (nodes)
+      type(taken_t), intent(in) :: taken !! what earlier sets have
       ! Rounding error of an area of 0, over the largest one; next to the axis the area may even be negative.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(contact_zone_t) :: points
       real(dp) :: area(patch%n_nodes), normal(size(direction), patch%n_nodes)
-      integer :: point_of(0:patch%n_nodes), kept(patch%n_nodes), corner(patch%n_nodes), before(patch%n_nodes)
+      integer :: point_of(0:patch%n_nodes), kept(patch%n_nodes), corner(patch%n_nodes)
       integer :: i, k, n, n_corners
       integer, allocatable :: own(:), place(:), stand_in(:), beside(:)
-      logical :: is_own, points_are_own(patch%n_nodes)
+      logical :: is_own, points_are_own(patch%n_nodes), has_all_beside(patch%n_nodes)
 
       point_of = 0
       n = 0
       n_corners = 0
-      before = patch%line%before()
+      has_all_beside = taken%has_all_beside(patch)
       area = merge(patch%area, 0.0_dp, patch%area > negligible*maxval(patch%area))
       do k = 1, patch%n_nodes
          if (area(k) > 0.0_dp) cycle
@@ -335,14 +337,12 @@ contains
       if (any(abs(direction) > 0.0_dp)) normal = spread(unit_vector(direction), 2, patch%n_nodes)
       do k = 1, patch%n_nodes
          associate (node => patch%node(k))
-            is_own = follower(node) <= 0 .and. body%constraints%rigid_of(node) == 0
+            is_own = .not. taken%node(node) .and. body%constraints%rigid_of(node) == 0
             i = 0
-            if (follower(node) > 0) i = point_before(zone, node, normal(:, k))
-            if (is_taken(patch, before(k), k, follower)) then
-               ! Earlier sets have all sides beside it.
-               zone%shared_node = [zone%shared_node, node]
-            else if (i > 0) then
-               zone%shared_node = [zone%shared_node, node]
+            if (taken%node(node)) i = point_before(zone, node, normal(:, k))
+            if (has_all_beside(k) .or. i > 0) zone%shared_node = [zone%shared_node, node]
+            if (has_all_beside(k)) cycle
+            if (i > 0) then
                zone%weight(i) = zone%weight(i) + patch%weight(k)
                zone%area(i) = zone%area(i) + patch%area(k)
                zone%passed_point = reshape([zone%passed_point, set, i], shape(zone%passed_point) + [0, 1])
@@ -365,8 +365,11 @@ contains
          end associate
       end do
       ! The point that represents each corner, and the nodes that each point represents.
-      stand_in = point_of(patch%line%next(corner(:n_corners)))
-      where (stand_in == 0) stand_in = point_of(before(corner(:n_corners)))
+      allocate (stand_in(n_corners))
+      do i = 1, n_corners
+         beside = patch%line%beside(corner(i))
+         stand_in(i) = maxval(point_of(beside))
+      end do
       zone%mean_point = [zone%mean_point, zone%n_points + pack([(i, i=1, n)], [(any(stand_in == i), i=1, n)])]
       allocate (points%rows%start(n + 1), place(n + count(stand_in > 0)), points%weight(n), points%area(n))
       points%rows%start(1) = 1
@@ -405,20 +408,6 @@ contains
       zone%node = [zone%node, pack(patch%node(kept(:n)), points%is_own)]
       call add_points(zone, set, .false., points)
    end subroutine add_nodes
-
-   !> Whether earlier sets have a node and all sides of a patch, or parts of quadratic ones, beside it.
-   pure logical function is_taken(patch, before, place, follower)
-      type(patch_t), intent(in) :: patch !! the patch
-      integer, intent(in) :: before !! place of the node before it, 0 for none
-      integer, intent(in) :: place !! place of the node
-      integer, intent(in) :: follower(:) !! the nodes of earlier sets, see `amontons_mortar_pair` (nodes)
-
-      associate (node => patch%node, next => patch%line%next(place))
-         is_taken = follower(node(place)) > 0
-         if (next > 0) is_taken = is_taken .and. follower(node(place)) == node(next)
-         if (before > 0) is_taken = is_taken .and. follower(node(before)) == node(place)
-      end associate
-   end function is_taken
 
    !> The point on a rigid obstacle that an earlier set has at a node, if the line of another set continues that of the
    !> earlier one; 0 at a corner and where there is none.
@@ -471,13 +460,12 @@ contains
    end subroutine add_cells
 
    !> Adds the points of a pair of surfaces: corners of the slave, or cells.
-   subroutine add_pair(zone, set, contact, body, follower, error)
+   subroutine add_pair(zone, set, contact, body, taken, error)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
       type(contact_t), intent(in) :: contact !! the contact set
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      integer, intent(inout) :: follower(:)
-         !! the nodes of earlier sets, see `amontons_mortar_pair`; gains those of this one (nodes)
+      type(taken_t), intent(inout) :: taken !! what earlier sets have; gains what this one has
       type(error_t), allocatable, intent(out) :: error !! the sets do not face each other, or overlap by far
       character(*), parameter :: remedy = 'exchange set and against'
       type(mortar_points_t) :: integrals
@@ -487,7 +475,7 @@ contains
       integer :: p, i
 
       associate (pair => zone%pairs(set))
-         call new_mortar_pair(pair, contact%set, contact%pairing, body, follower, error)
+         call new_mortar_pair(pair, contact%set, contact%pairing, body, taken, error)
          if (allocated(error)) return
          if (contact%partition%is_constant) then
             call choose_cells(pair, contact%partition, body, error)
@@ -519,7 +507,7 @@ contains
             points%position = body%mesh%coordinates(:, pair%node)
          end if
          zone%shared_node = [zone%shared_node, pair%shared_node]
-         call mark_facing_sides(follower, pair)
+         call take_facing_sides(taken, pair)
       end associate
       points%acting = integrals%center
       points%foot = integrals%foot
