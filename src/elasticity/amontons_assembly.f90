@@ -29,7 +29,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! too large for the memory
       integer, allocatable :: spring_start(:), start(:), node(:), unknowns(:), starts(:)
       real(dp) :: span
-      integer :: axis, i, n
+      integer :: axis, i, n, n_dim
 
       ! The unknowns of all elements, one element after the other, then those of all springs; 0 for a held component.
       ! Those around the axis follow as elements and springs of their own: they act on no others.
@@ -41,26 +41,27 @@ contains
       end do
       call dof_map%substitution%own_nodes_of_elements([mesh%node_start, spring_start], &
          [mesh%node, (springs(i)%node, i=1, size(springs))], start, node)
+      n_dim = size(mesh%coordinates, 1)
       allocate (unknowns(size(dof_map%dof, 1)*size(node)))
       do i = 1, size(node)
-         unknowns(2*i - 1:2*i) = dof_map%dof(:2, node(i))
+         unknowns(n_dim*(i - 1) + 1:n_dim*i) = dof_map%dof(:n_dim, node(i))
       end do
-      starts = 2*start - 1
-      if (size(dof_map%dof, 1) > 2) then
-         unknowns(2*size(node) + 1:) = dof_map%dof(3, node)
-         starts = [starts, 2*size(node) + start(2:)]
+      starts = n_dim*(start - 1) + 1
+      if (size(dof_map%dof, 1) > n_dim) then
+         unknowns(n_dim*size(node) + 1:) = dof_map%dof(3, node)
+         starts = [starts, n_dim*size(node) + start(2:)]
       end if
       call new_sparse_pattern(stiffness, dof_map%n_dofs, starts, unknowns, error)
       if (allocated(error)) return
       ! Where the unknowns sit, for the ordering: those around the axis beside the others.
       span = maxval(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
-      allocate (stiffness%place(2, dof_map%n_dofs))
+      allocate (stiffness%place(n_dim, dof_map%n_dofs))
       do i = 1, mesh%n_nodes
          do axis = 1, size(dof_map%dof, 1)
             if (dof_map%dof(axis, i) == 0) cycle
             associate (place => stiffness%place(:, dof_map%dof(axis, i)))
                place = mesh%coordinates(:, i)
-               if (axis > 2) place(1) = -place(1) - span
+               if (axis > n_dim) place(1) = -place(1) - span
             end associate
          end do
       end do
@@ -150,7 +151,7 @@ contains
             turned(:, first:n*i) = matmul(turned(:, first:n*i), frame)
          end associate
       end do
-      if (n == 2) then
+      if (n == size(stiffness%place, 1)) then
          call stiffness%add_element([dof_map%dof(:, own)], turned)
       else
          plane = pack([(i, i=1, size(turned, 1))], [(modulo(i, n) > 0, i=1, size(turned, 1))])
@@ -185,7 +186,8 @@ contains
             end do
             if (geometry%n_functions == geometry%n_nodes) cycle
             call find_nodal_forces(forces, geometry, material, stress)
-            work = work - dot_product(geometry%loaded_bubble, forces(:2, geometry%n_functions))
+            work = work - dot_product(geometry%loaded_bubble(:geometry%n_dim), &
+               forces(:geometry%n_dim, geometry%n_functions))
          end associate
       end do
    end function inner_work

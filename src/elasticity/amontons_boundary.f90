@@ -1,6 +1,7 @@
 !> Patches of the boundary: the faces and nodes of a set, with normals and areas and, in the plane, their order along
 !> lines.
 module amontons_boundary
+   use amontons_element, only: max_face_nodes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, set_faces
    use amontons_kinds, only: dp
@@ -108,10 +109,13 @@ contains
    pure subroutine list_nodes(patch, mesh)
       type(patch_t), intent(inout) :: patch !! the patch, its faces in order
       type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, parameter :: along(3) = [1, 3, 2] ! first corner, middle, second corner
+      integer, allocatable :: along(:)
       integer :: place(0:mesh%n_nodes), i, k
 
       place = 0
+      ! In the plane first corner, middle, second corner.
+      along = [1, 3, 2]
+      if (size(mesh%coordinates, 1) > 2) along = [(i, i=1, max_face_nodes)]
       allocate (patch%node(size(along)*size(patch%faces)))
       do i = 1, size(patch%faces)
          do k = 1, size(along)

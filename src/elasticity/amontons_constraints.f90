@@ -652,7 +652,7 @@ contains
                allocate (spring%stiffness(size(normal), face%n_nodes, size(normal), face%n_nodes), source=0.0_dp)
                do point = 1, size(face%area)
                   normal = 0.0_dp
-                  normal(:2) = face%outward(:, point)/face%length(point)
+                  normal(:size(face%outward, 1)) = face%outward(:, point)/face%length(point)
                   do j = 1, size(normal)
                      modulus(:, j) = face%area(point)*(along_normal - across)*normal*normal(j)
                      modulus(j, j) = modulus(j, j) + face%area(point)*across

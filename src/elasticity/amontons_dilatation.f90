@@ -6,30 +6,45 @@
 !> Poisson's ratio is to 0.5. Nothing here knows how many dimensions there are.
 module amontons_dilatation
    use amontons_dense, only: cholesky_factor, cholesky_solve
-   use amontons_element, only: max_nodes
    use amontons_kinds, only: dp
    implicit none (type, external)
    private
 
-   public :: condense_inner, mode_values, new_modes, projection_t
-
-   !> Most polynomials: 1, x, y.
-   integer, parameter, public :: max_modes = 3
+   public :: condense_inner, mode_values, new_modes, new_projection, projection_t
 
    !> The projected dilatation of an element, and its bubble, whose function comes after those of the nodes.
    type :: projection_t
-      ! No defaults: setting them would take as long as all the rest, once for each element.
-      real(dp) :: center(2) !! center of the element, where the linear ones are 0 before they are orthonormal [L]
-      real(dp) :: factor(max_modes, max_modes) !! the polynomials, from `new_modes`
-      real(dp) :: dilatation(2, max_nodes, max_modes)
-         !! integral of polynomial times dilatation of a unit displacement (x and y, function, mode) [L^1/2]
-      real(dp) :: share(max_nodes, max_modes) !! integral of polynomial times function (function, mode) [L^3/2]
-      real(dp) :: bubble(2, 2*max_nodes) !! displacement of the bubble by those of the nodes (x and y, any) [-]
-      real(dp) :: stiffness(2, 2) !! stiffness of the bubble [F/L]
-      real(dp) :: compliance(2, 2) !! its inverse [L/F]
+      real(dp), allocatable :: center(:)
+         !! center of the element, where the linear ones are 0 before they are orthonormal (n_dim) [L]
+      real(dp), allocatable :: factor(:, :) !! the polynomials, from `new_modes` (modes, modes)
+      real(dp), allocatable :: dilatation(:, :, :)
+         !! integral of polynomial times dilatation of a unit displacement (n_dim, function, mode) [L^1/2]
+      real(dp), allocatable :: share(:, :) !! integral of polynomial times function (function, mode) [L^3/2]
+      real(dp), allocatable :: bubble(:, :)
+         !! displacement of the bubble by those of the nodes, all components of one after the other (n_dim, any) [-]
+      real(dp), allocatable :: stiffness(:, :) !! stiffness of the bubble (n_dim, n_dim) [F/L]
+      real(dp), allocatable :: compliance(:, :) !! its inverse (n_dim, n_dim) [L/F]
    end type projection_t
 
 contains
+
+   !> Makes room for a projection, unless there is room for it already.
+   pure subroutine new_projection(projection, n_dim, n_functions, n_modes)
+      type(projection_t), intent(inout) :: projection !! the projection, its numbers anything
+      integer, intent(in) :: n_dim !! number of dimensions
+      integer, intent(in) :: n_functions !! number of functions of the element
+      integer, intent(in) :: n_modes !! number of polynomials
+
+      if (allocated(projection%dilatation)) then
+         if (all(shape(projection%dilatation) == [n_dim, n_functions, n_modes])) return
+         deallocate (projection%center, projection%factor, projection%dilatation, projection%share, projection%bubble, &
+            projection%stiffness, projection%compliance)
+      end if
+      allocate (projection%center(n_dim), projection%factor(n_modes, n_modes), &
+         projection%dilatation(n_dim, n_functions, n_modes), projection%share(n_functions, n_modes), &
+         projection%bubble(n_dim, n_dim*(n_functions - 1)), projection%stiffness(n_dim, n_dim), &
+         projection%compliance(n_dim, n_dim))
+   end subroutine new_projection
 
    !> Makes the polynomials 1, x, y, ... orthonormal over an element: the Cholesky factor of their integrals.
    pure subroutine new_modes(center, factor, position, volume)

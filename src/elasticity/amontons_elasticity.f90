@@ -3,12 +3,12 @@
 !> The four-node quadrilateral of a plane body has procedures of its own that work on its four quadrature points side by
 !> side, in a quarter of the time: fine meshes have hundreds of thousands of them.
 module amontons_elasticity
-   use amontons_dilatation, only: condense_inner, max_modes, mode_values, new_modes, projection_t
-   use amontons_element, only: bubble_function, has_bubble, max_nodes, max_points, n_element_nodes, n_element_points, &
-      quad4, quadrature_point, shape_functions, tri3, tri6
+   use amontons_dilatation, only: condense_inner, mode_values, new_modes, new_projection, projection_t
+   use amontons_element, only: bubble_function, has_bubble, is_solid, max_nodes, max_points, n_element_nodes, &
+      n_element_points, quad4, quadrature_point, shape_functions, tet10, tri3, tri6
    use amontons_kinds, only: dp
    use amontons_material, only: isotropic_law, material_t, max_components, n_strains
-   use amontons_mesh, only: mesh_t
+   use amontons_mesh, only: is_straight, mesh_t
    implicit none (type, external)
    private
 
@@ -19,27 +19,27 @@ module amontons_elasticity
    type :: element_geometry_t
       ! What belongs to the reference element alone serves the next element of its kind too.
       integer, private :: kind = 0 !! kind of element
+      integer :: n_dim = 2 !! number of dimensions
       integer :: n_points = 0 !! number of quadrature points
-      real(dp) :: values(max_nodes, max_points)
-         !! shape functions (node, point), that of the bubble behind those of the nodes, then 0 [-]
-      real(dp), private :: derivatives(2, max_nodes, max_points) !! derivatives by the reference coordinates [-]
-      real(dp), private :: weight(max_points) !! weights of the quadrature [-]
-      real(dp) :: thermal_strain(max_points) = 0.0_dp
-         !! strain of free thermal expansion at the points, from `set_element_load`; the next element keeps it [-]
-      real(dp) :: loaded_bubble(2) = 0.0_dp
+      integer :: n_nodes = 0 !! number of nodes
+      integer :: n_functions = 0 !! number of shape functions: one more than nodes in an element with a bubble
+      integer :: n_modes = 0
+         !! number of polynomials that the dilatation is projected to: 1 (the mean), 3 or 4 (1, x, y, z), or 0 for all
+      integer :: node(max_nodes) = 0 !! numbers of the nodes in the mesh
+      real(dp), allocatable :: values(:, :) !! shape functions, that of a bubble last (function, point) [-]
+      real(dp), allocatable, private :: derivatives(:, :, :)
+         !! derivatives by the reference coordinates (n_dim, function, point) [-]
+      real(dp), allocatable, private :: weight(:) !! weights of the quadrature (points) [-]
+      real(dp), allocatable :: thermal_strain(:)
+         !! strain of free thermal expansion at the points, from `set_element_load`; the next element keeps it (points) [-]
+      real(dp) :: loaded_bubble(3) = 0.0_dp
          !! displacement of the bubble by heat and body forces where the nodes are at rest, from there, too [L]
-      ! No defaults here: setting them would take as long as all the rest, once for each element.
-      integer :: n_nodes !! number of nodes
-      integer :: n_functions !! number of shape functions: one more than nodes in an element with a bubble
-      integer :: node(max_nodes) !! numbers of the nodes in the mesh
-      real(dp) :: gradient(2, max_nodes, max_points)
-         !! gradients of the functions (x and y, node, point) [1/L]
-      real(dp) :: hoop(max_nodes, max_points) !! in a body of revolution the functions over the radius [1/L]
-      real(dp) :: position(2, max_points) !! coordinates of the points [L]
-      real(dp) :: volume(max_points) !! quadrature weight, Jacobian and depth of each point, 0 past the last [L^3]
-      integer :: n_modes
-         !! number of polynomials that the dilatation is projected to: 1 (the mean), 3 (1, x, y), or 0 for all of it
-      real(dp), private :: mode(max_modes, max_points) !! their values at the points [L^-3/2]
+      real(dp), allocatable :: gradient(:, :, :) !! gradients of the functions (n_dim, function, point) [1/L]
+      real(dp), allocatable :: hoop(:, :)
+         !! in a body of revolution the functions over the radius (function, point) [1/L]
+      real(dp), allocatable :: position(:, :) !! coordinates of the points (n_dim, points) [L]
+      real(dp), allocatable :: volume(:) !! quadrature weight, Jacobian and depth of each point (points) [L^3]
+      real(dp), allocatable, private :: mode(:, :) !! values of the polynomials (mode, point) [L^-3/2]
       type(projection_t) :: projection !! then the projection, and the bubble
    end type element_geometry_t
 
@@ -76,75 +76,167 @@ contains
       integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material, for depth and dilatation
       integer, intent(in), optional :: n_points !! number of quadrature points; default: those of its stiffness
-      real(dp) :: x(2, max_nodes), dx(2), dy(2), determinant
+      ! Not of the size they need: room that is found at run time comes from the heap, once for each element.
+      real(dp) :: x(2, max_nodes), in_space(3, max_nodes)
       integer :: i, first, point
 
       associate (kind => mesh%element_kind(element))
          if (present(n_points)) then
             call choose_reference(geometry, kind, n_points)
          else
-            call choose_reference(geometry, kind, n_stiffness_points(kind, material))
+            call choose_reference(geometry, kind, n_stiffness_points(mesh, element, material))
          end if
       end associate
       geometry%n_modes = 0
-      if (material%is_b_bar .and. geometry%kind /= tri3) geometry%n_modes = merge(1, max_modes, geometry%kind == quad4)
+      if (material%is_b_bar) geometry%n_modes = n_projected(geometry%kind)
       geometry%n_functions = geometry%n_nodes
       if (geometry%n_modes > 0 .and. has_bubble(geometry%kind)) geometry%n_functions = geometry%n_nodes + 1
       first = mesh%node_start(element)
       do i = 1, geometry%n_nodes
          geometry%node(i) = mesh%node(first + i - 1)
-         x(:, i) = mesh%coordinates(:, geometry%node(i))
+         if (geometry%n_dim == 2) x(:, i) = mesh%coordinates(:2, geometry%node(i))
+         if (geometry%n_dim == 3) in_space(:, i) = mesh%coordinates(:3, geometry%node(i))
       end do
-      do point = 1, geometry%n_points
-         geometry%position(:, point) = 0.0_dp
-         do i = 1, geometry%n_nodes
-            geometry%position(:, point) = geometry%position(:, point) + geometry%values(i, point)*x(:, i)
+      associate (n => size(geometry%values, 1), n_points => geometry%n_points)
+         if (geometry%n_dim == 3) then
+            call place_solid(geometry, in_space(:, :geometry%n_nodes))
+         else
+            call place_plane(geometry%gradient, geometry%position, geometry%volume, geometry%derivatives, &
+               geometry%values, geometry%weight, x, geometry%n_nodes, geometry%n_functions, geometry%kind == tri3, n, &
+               n_points)
+         end if
+         do point = 1, n_points
+            geometry%volume(point) = geometry%volume(point)*material%depth(geometry%position(1, point))
          end do
-         if (geometry%kind /= tri3) then
+         if (material%is_axisymmetric) call divide_by_radius(geometry%hoop, geometry%values, geometry%position, n, &
+            n_points)
+      end associate
+      if (geometry%n_modes > 0) call project_dilatation(geometry, mesh, element, material)
+   end subroutine new_element_geometry
+
+   ! The arrays of a geometry have explicit shapes in the procedures that all elements pass through: their descriptors
+   ! would be read again at each access.
+
+   !> Sets places, gradients and areas at the points of a plane element.
+   pure subroutine place_plane(gradient, position, area, derivatives, values, weight, x, n_nodes, n_functions, &
+      is_constant, n, n_points)
+      integer, intent(in) :: n !! number of functions that there is room for
+      integer, intent(in) :: n_points !! number of points
+      real(dp), intent(inout) :: gradient(2, n, n_points) !! gradients, as of `element_geometry_t` [1/L]
+      real(dp), intent(out) :: position(2, n_points) !! coordinates of the points [L]
+      real(dp), intent(out) :: area(n_points) !! their shares of the area [L^2]
+      real(dp), intent(in) :: derivatives(2, n, n_points) !! derivatives by the reference coordinates [-]
+      real(dp), intent(in) :: values(n, n_points) !! shape functions [-]
+      real(dp), intent(in) :: weight(n_points) !! weights of the quadrature [-]
+      real(dp), intent(in) :: x(2, max_nodes) !! coordinates of the nodes [L]
+      integer, intent(in) :: n_nodes !! number of nodes
+      integer, intent(in) :: n_functions !! number of shape functions
+      logical, intent(in) :: is_constant !! whether it is a linear triangle, whose gradients are constant
+      real(dp) :: dx(2), dy(2), determinant
+      integer :: i, point
+
+      do point = 1, n_points
+         position(:, point) = 0.0_dp
+         do i = 1, n_nodes
+            position(:, point) = position(:, point) + values(i, point)*x(:, i)
+         end do
+         if (.not. is_constant) then
             ! The derivatives of x and of y by the reference coordinates are the rows of the Jacobian.
             dx = 0.0_dp
             dy = 0.0_dp
-            do i = 1, geometry%n_nodes
-               dx = dx + x(1, i)*geometry%derivatives(:, i, point)
-               dy = dy + x(2, i)*geometry%derivatives(:, i, point)
+            do i = 1, n_nodes
+               dx = dx + x(1, i)*derivatives(:, i, point)
+               dy = dy + x(2, i)*derivatives(:, i, point)
             end do
             determinant = dx(1)*dy(2) - dx(2)*dy(1)
             dx = dx/determinant
             dy = dy/determinant
-            do i = 1, geometry%n_functions
-               associate (derivative => geometry%derivatives(:, i, point))
-                  geometry%gradient(1, i, point) = dy(2)*derivative(1) - dy(1)*derivative(2)
-                  geometry%gradient(2, i, point) = dx(1)*derivative(2) - dx(2)*derivative(1)
-               end associate
+            do i = 1, n_functions
+               gradient(1, i, point) = dy(2)*derivatives(1, i, point) - dy(1)*derivatives(2, i, point)
+               gradient(2, i, point) = dx(1)*derivatives(2, i, point) - dx(2)*derivatives(1, i, point)
             end do
          else if (point == 1) then
             dx = x(1, 2:3) - x(1, 1)
             dy = x(2, 2:3) - x(2, 1)
             determinant = dx(1)*dy(2) - dy(1)*dx(2)
-            geometry%gradient(:, 2, 1) = [dy(2), -dx(2)]/determinant
-            geometry%gradient(:, 3, 1) = [-dy(1), dx(1)]/determinant
-            geometry%gradient(:, 1, 1) = -geometry%gradient(:, 2, 1) - geometry%gradient(:, 3, 1)
+            gradient(:, 2, 1) = [dy(2), -dx(2)]/determinant
+            gradient(:, 3, 1) = [-dy(1), dx(1)]/determinant
+            gradient(:, 1, 1) = -gradient(:, 2, 1) - gradient(:, 3, 1)
          else
             ! The Jacobian of a straight triangle is the same at every point.
-            geometry%gradient(:, :3, point) = geometry%gradient(:, :3, 1)
+            gradient(:, :3, point) = gradient(:, :3, 1)
          end if
-         geometry%volume(point) = geometry%weight(point)*determinant*material%depth(geometry%position(1, point))
-         if (.not. material%is_axisymmetric) cycle
+         area(point) = weight(point)*determinant
+      end do
+   end subroutine place_plane
+
+   !> Divides the shape functions by the radius.
+   pure subroutine divide_by_radius(hoop, values, position, n, n_points)
+      integer, intent(in) :: n !! number of functions
+      integer, intent(in) :: n_points !! number of points
+      real(dp), intent(out) :: hoop(n, n_points) !! the functions over the radius [1/L]
+      real(dp), intent(in) :: values(n, n_points) !! the functions [-]
+      real(dp), intent(in) :: position(2, n_points) !! coordinates of the points [L]
+      integer :: i, point
+
+      do point = 1, n_points
          !$omp simd
-         do i = 1, geometry%n_functions
-            geometry%hoop(i, point) = geometry%values(i, point)/geometry%position(1, point)
+         do i = 1, n
+            hoop(i, point) = values(i, point)/position(1, point)
          end do
       end do
-      if (geometry%n_modes > 0) call project_dilatation(geometry, mesh, element, material)
-   end subroutine new_element_geometry
+   end subroutine divide_by_radius
+
+   !> Sets places, gradients and volumes at the points of a solid element: the rows of the inverse Jacobian are the
+   !> vector products of its columns, over the determinant.
+   pure subroutine place_solid(geometry, x)
+      type(element_geometry_t), intent(inout) :: geometry !! the element; gains these
+      real(dp), intent(in) :: x(:, :) !! coordinates of the nodes (3, nodes) [L]
+      real(dp) :: jacobian(3, 3), inverse(3, 3), determinant
+      integer :: i, k, point
+
+      do point = 1, geometry%n_points
+         geometry%position(:, point) = matmul(x, geometry%values(:size(x, 2), point))
+         jacobian = matmul(x, transpose(geometry%derivatives(:, :size(x, 2), point)))
+         do k = 1, 3
+            associate (a => jacobian(:, mod(k, 3) + 1), b => jacobian(:, mod(k + 1, 3) + 1))
+               inverse(:, k) = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+            end associate
+         end do
+         determinant = dot_product(jacobian(:, 1), inverse(:, 1))
+         inverse = inverse/determinant
+         do i = 1, geometry%n_functions
+            associate (derivative => geometry%derivatives(:, i, point))
+               geometry%gradient(:, i, point) = inverse(:, 1)*derivative(1) + inverse(:, 2)*derivative(2) &
+                  + inverse(:, 3)*derivative(3)
+            end associate
+         end do
+         geometry%volume(point) = geometry%weight(point)*determinant
+      end do
+   end subroutine place_solid
+
+   !> Number of polynomials that the dilatation of a kind of element can be projected to: the mean in linear
+   !> quadrilaterals and hexahedra, 1, x, y, z in quadratic elements, none in linear triangles and tetrahedra.
+   elemental integer function n_projected(kind) result(n_modes)
+      integer, intent(in) :: kind !! kind of element
+      integer, parameter :: of_kind(*) = [0, 1, 3, 3, 3, 0, 4, 1, 4]
+
+      n_modes = of_kind(kind)
+   end function n_projected
 
    !> Number of quadrature points of the stiffness: those of degree 4 in a triangle with a bubble, whose gradient is
-   !> quadratic.
-   elemental integer function n_stiffness_points(kind, material) result(n_points)
-      integer, intent(in) :: kind !! kind of element
+   !> quadratic, of degree 5 in a tetrahedron with a bubble, or a curved one.
+   pure integer function n_stiffness_points(mesh, element, material) result(n_points)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material
+      logical :: is_raised
 
-      n_points = n_element_points(kind, material%is_axisymmetric .or. (material%is_b_bar .and. kind == tri6))
+      associate (kind => mesh%element_kind(element))
+         is_raised = material%is_axisymmetric .or. (material%is_b_bar .and. any(kind == [tri6, tet10]))
+         if (kind == tet10 .and. .not. is_raised) is_raised = .not. is_straight(mesh, element)
+         n_points = n_element_points(kind, is_raised)
+      end associate
    end function n_stiffness_points
 
    !> Projects the dilatation of each unit displacement to the modes, and condenses the bubble. The integrals are those
@@ -156,26 +248,26 @@ contains
       integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material
       type(element_geometry_t), allocatable :: standard
-      real(dp) :: inner(2, 2*max_nodes), law(n_strains, n_strains), share
+      real(dp) :: inner(geometry%n_dim, geometry%n_dim*geometry%n_functions), law(n_strains, n_strains), share
       integer :: i, m, point
 
       associate (n => geometry%n_functions, n_points => geometry%n_points, modes => geometry%n_modes, &
-         projection => geometry%projection)
-         if (n_points /= n_stiffness_points(geometry%kind, material)) then
+         d => geometry%n_dim, projection => geometry%projection)
+         if (n_points /= n_stiffness_points(mesh, element, material)) then
             allocate (standard)
             call new_element_geometry(standard, mesh, element, material)
             geometry%projection = standard%projection
          else
-            call new_modes(projection%center, projection%factor(:modes, :modes), geometry%position(:, :n_points), &
-               geometry%volume(:n_points))
+            call new_projection(projection, d, n, modes)
+            call new_modes(projection%center, projection%factor, geometry%position, geometry%volume)
          end if
          do point = 1, n_points
-            geometry%mode(:modes, point) = mode_values(projection%center, projection%factor(:modes, :modes), &
+            geometry%mode(:modes, point) = mode_values(projection%center, projection%factor, &
                geometry%position(:, point))
          end do
          if (allocated(standard)) return
-         projection%dilatation(:, :n, :modes) = 0.0_dp
-         projection%share(:n, :modes) = 0.0_dp
+         projection%dilatation = 0.0_dp
+         projection%share = 0.0_dp
          do m = 1, modes
             do point = 1, n_points
                share = geometry%volume(point)*geometry%mode(m, point)
@@ -189,11 +281,15 @@ contains
          end do
          if (n == geometry%n_nodes) return
          law = element_law(geometry, material)
-         do i = 1, n
-            call find_block(inner(:, 2*i - 1:2*i), geometry, material, law, n, i)
-         end do
-         projection%stiffness = inner(:, 2*n - 1:2*n)
-         call condense_inner(projection%bubble(:, :2*n - 2), projection%compliance, inner(:, :2*n))
+         if (d == 3) then
+            call find_solid_rows(inner, geometry, material, law, n)
+         else
+            do i = 1, n
+               call find_block(inner(:, 2*i - 1:2*i), geometry, material, law, n, i)
+            end do
+         end if
+         projection%stiffness = inner(:, d*(n - 1) + 1:)
+         call condense_inner(projection%bubble, projection%compliance, inner)
       end associate
    end subroutine project_dilatation
 
@@ -206,21 +302,21 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! number of the element
       real(dp), intent(in) :: load(:) !! what acts inside all elements, from `sum_element_loads` [-], [L]
-      real(dp) :: of_mode(max_modes)
+      real(dp) :: of_mode(geometry%n_modes)
       integer :: first
 
       associate (n => geometry%n_points, m => geometry%n_modes, k => geometry%n_functions, &
          at_nodes => load(mesh%node_start(element):mesh%node_start(element + 1) - 1))
          if (m == 0) then
-            geometry%thermal_strain(:n) = matmul(at_nodes, geometry%values(:geometry%n_nodes, :n))
+            geometry%thermal_strain = matmul(at_nodes, geometry%values(:geometry%n_nodes, :n))
             return
          end if
-         of_mode(:m) = matmul(at_nodes, geometry%projection%share(:geometry%n_nodes, :m))
-         geometry%thermal_strain(:n) = matmul(of_mode(:m), geometry%mode(:m, :n))
+         of_mode = matmul(at_nodes, geometry%projection%share(:geometry%n_nodes, :m))
+         geometry%thermal_strain = matmul(of_mode, geometry%mode(:m, :n))
          if (k == geometry%n_nodes) return
-         first = size(mesh%node) + 2*element - 1
-         geometry%loaded_bubble = load(first:first + 1) + 3.0_dp*material%bulk()*matmul( &
-            geometry%projection%compliance, matmul(geometry%projection%dilatation(:, k, :m), of_mode(:m)))
+         first = size(mesh%node) + geometry%n_dim*(element - 1)
+         geometry%loaded_bubble(:geometry%n_dim) = load(first + 1:first + geometry%n_dim) + 3.0_dp*material%bulk() &
+            *matmul(geometry%projection%compliance, matmul(geometry%projection%dilatation(:, k, :m), of_mode))
       end associate
    end subroutine set_element_load
 
@@ -230,20 +326,28 @@ contains
       type(element_geometry_t), intent(inout) :: geometry !! what belongs to the reference element is set
       integer, intent(in) :: kind !! kind of element
       integer, intent(in) :: n_points !! number of quadrature points
-      real(dp) :: xi(2)
-      integer :: point
+      real(dp) :: xi(merge(3, 2, is_solid(kind))), values(max_nodes), derivatives(size(xi), max_nodes)
+      integer :: n, point
 
       if (geometry%kind == kind .and. geometry%n_points == n_points) return
+      if (allocated(geometry%values)) deallocate (geometry%values, geometry%derivatives, geometry%weight, &
+         geometry%gradient, geometry%hoop, geometry%position, geometry%volume, geometry%mode, geometry%thermal_strain)
       geometry%kind = kind
+      geometry%n_dim = size(xi)
       geometry%n_nodes = n_element_nodes(kind)
       geometry%n_points = n_points
-      geometry%volume = 0.0_dp
-      geometry%values = 0.0_dp
+      n = geometry%n_nodes
+      if (has_bubble(kind)) n = n + 1
+      allocate (geometry%values(n, n_points), geometry%derivatives(size(xi), n, n_points), geometry%weight(n_points), &
+         geometry%gradient(size(xi), n, n_points), geometry%hoop(n, n_points), geometry%position(size(xi), n_points), &
+         geometry%volume(n_points), geometry%mode(n_projected(kind), n_points))
+      allocate (geometry%thermal_strain(n_points), source=0.0_dp)
       do point = 1, n_points
          call quadrature_point(kind, n_points, point, xi, geometry%weight(point))
-         call shape_functions(kind, xi, geometry%values(:, point), geometry%derivatives(:, :, point))
-         if (has_bubble(kind)) call bubble_function(kind, xi, geometry%values(geometry%n_nodes + 1, point), &
-            geometry%derivatives(:, geometry%n_nodes + 1, point))
+         call shape_functions(kind, xi, values, derivatives)
+         if (has_bubble(kind)) call bubble_function(kind, xi, values(n), derivatives(:, n))
+         geometry%values(:, point) = values(:n)
+         geometry%derivatives(:, :, point) = derivatives(:, :n)
       end do
    end subroutine choose_reference
 
@@ -257,24 +361,92 @@ contains
       integer :: first, i, j, other
 
       law = element_law(geometry, material)
-      if (material%n_components > 2) stiffness = 0.0_dp
+      if (geometry%n_dim == 3) then
+         call solid_stiffness(geometry, material, law, stiffness)
+         return
+      end if
+      if (material%is_twisted) stiffness(:3*geometry%n_nodes, :3*geometry%n_nodes) = 0.0_dp
       do j = 1, geometry%n_nodes
          do i = j, geometry%n_nodes
             call find_block(block, geometry, material, law, i, j)
-            associate (bubble => geometry%projection%bubble)
-               if (geometry%n_functions > geometry%n_nodes) block = block - matmul(transpose( &
-                  bubble(:, 2*i - 1:2*i)), matmul(geometry%projection%stiffness, bubble(:, 2*j - 1:2*j)))
-            end associate
+            if (geometry%n_functions > geometry%n_nodes) then
+               associate (bubble => geometry%projection%bubble)
+                  block = block - matmul(transpose(bubble(:, 2*i - 1:2*i)), matmul(geometry%projection%stiffness, &
+                     bubble(:, 2*j - 1:2*j)))
+               end associate
+            end if
             first = material%n_components*(i - 1) + 1
             other = material%n_components*(j - 1) + 1
             stiffness(first:first + 1, other:other + 1) = block
             stiffness(other:other + 1, first:first + 1) = transpose(block)
-            if (material%n_components == 2) cycle
+            if (.not. material%is_twisted) cycle
             stiffness(first + 2, other + 2) = twist_stiffness(geometry, law, i, j)
             stiffness(other + 2, first + 2) = stiffness(first + 2, other + 2)
          end do
       end do
    end subroutine element_stiffness
+
+   !> Stiffness of a solid element, from the rows of one node after the other, in which only the nodes up to it stand.
+   pure subroutine solid_stiffness(geometry, material, law, stiffness)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: law(n_strains, n_strains) !! its law, from `element_law` [F/L^2]
+      real(dp), intent(inout) :: stiffness(:, :) !! in the first rows and columns, as of `element_stiffness` [F/L]
+      real(dp) :: rows(3, 3*max_nodes)
+      integer :: i
+
+      do i = 1, geometry%n_nodes
+         call find_solid_rows(rows(:, :3*i), geometry, material, law, i)
+         if (geometry%n_functions > geometry%n_nodes) then
+            associate (bubble => geometry%projection%bubble)
+               rows(:, :3*i) = rows(:, :3*i) - matmul(transpose(matmul(geometry%projection%stiffness, &
+                  bubble(:, 3*i - 2:3*i))), bubble(:, :3*i))
+            end associate
+         end if
+         stiffness(3*i - 2:3*i, :3*i) = rows(:, :3*i)
+         stiffness(:3*i - 3, 3*i - 2:3*i) = transpose(rows(:, :3*i - 3))
+      end do
+   end subroutine solid_stiffness
+
+   !> Rows of the stiffness of a function in space: the products of the gradients are summed over the points, and then
+   !> contracted with the law, C_kmln of which stands in row (k, m) and column (l, n). Each mode of a projected dilatation
+   !> adds the bulk modulus as in `find_block`.
+   pure subroutine find_solid_rows(rows, geometry, material, law, i)
+      real(dp), intent(out) :: rows(:, :) !! the rows; their columns are those of the first functions (3, any) [F/L]
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp), intent(in) :: law(n_strains, n_strains) !! its law, from `element_law` [F/L^2]
+      integer, intent(in) :: i !! the function
+      integer, parameter :: strain_of(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+      real(dp) :: products(3, 3, max_nodes), own(3)
+      integer :: j, k, l, m, n, point
+
+      n = size(rows, 2)/3
+      products(:, :, :n) = 0.0_dp
+      do point = 1, geometry%n_points
+         own = geometry%volume(point)*geometry%gradient(:, i, point)
+         do j = 1, n
+            do l = 1, 3
+               products(:, l, j) = products(:, l, j) + own*geometry%gradient(l, j, point)
+            end do
+         end do
+      end do
+      do j = 1, n
+         do l = 1, 3
+            do k = 1, 3
+               rows(k, 3*j - 3 + l) = 0.0_dp
+               do m = 1, 3
+                  rows(k, 3*j - 3 + l) = rows(k, 3*j - 3 + l) + dot_product(products(:, m, j), &
+                     law(strain_of(:, k), strain_of(m, l)))
+               end do
+            end do
+            do m = 1, geometry%n_modes
+               rows(:, 3*j - 3 + l) = rows(:, 3*j - 3 + l) + material%bulk()*geometry%projection%dilatation(:, i, m) &
+                  *geometry%projection%dilatation(l, j, m)
+            end do
+         end do
+      end do
+   end subroutine find_solid_rows
 
    !> Stiffness between two nodes that move around the axis: their shears, w,y of y and w,x - w/x of x with this
    !> direction, change no volume and meet no others [F/L].
@@ -326,26 +498,16 @@ contains
       integer, intent(in) :: i !! function of the rows
       integer, intent(in) :: j !! function of the columns
       real(dp) :: xx, xy, yx, yy
-      integer :: m, point
+      integer :: m
 
-      xx = 0.0_dp
-      xy = 0.0_dp
-      yx = 0.0_dp
-      yy = 0.0_dp
-      do point = 1, geometry%n_points
-         associate (a => geometry%gradient(:, i, point), b => geometry%gradient(:, j, point), &
-            volume => geometry%volume(point))
-            xx = xx + volume*a(1)*b(1)
-            xy = xy + volume*a(1)*b(2)
-            yx = yx + volume*a(2)*b(1)
-            yy = yy + volume*a(2)*b(2)
-         end associate
-      end do
+      call sum_products(xx, xy, yx, yy, geometry%gradient, geometry%volume, i, j, size(geometry%values, 1), &
+         geometry%n_points)
       block(1, 1) = law(1, 1)*xx + law(4, 4)*yy + law(4, 1)*(xy + yx)
       block(2, 1) = law(2, 1)*yx + law(4, 4)*xy + law(4, 2)*yy + law(4, 1)*xx
       block(1, 2) = law(2, 1)*xy + law(4, 4)*yx + law(4, 2)*yy + law(4, 1)*xx
       block(2, 2) = law(2, 2)*yy + law(4, 4)*xx + law(4, 2)*(xy + yx)
-      if (material%is_axisymmetric) call add_hoop_stiffness(geometry, law(:4, 3), i, j, block)
+      if (material%is_axisymmetric) call add_hoop_stiffness(block, law(:4, 3), geometry%gradient, geometry%hoop, &
+         geometry%volume, i, j, size(geometry%values, 1), geometry%n_points)
       do m = 1, geometry%n_modes
          associate (a => geometry%projection%dilatation(:, i, m), b => geometry%projection%dilatation(:, j, m))
             block(:, 1) = block(:, 1) + material%bulk()*(a*b(1))
@@ -354,24 +516,56 @@ contains
       end do
    end subroutine find_block
 
+   !> Sums the products of the gradients of two functions over the points of a plane element.
+   pure subroutine sum_products(xx, xy, yx, yy, gradient, volume, i, j, n, n_points)
+      real(dp), intent(out) :: xx !! sum of volume times d_x N_i d_x N_j [L]
+      real(dp), intent(out) :: xy !! of volume times d_x N_i d_y N_j [L]
+      real(dp), intent(out) :: yx !! of volume times d_y N_i d_x N_j [L]
+      real(dp), intent(out) :: yy !! of volume times d_y N_i d_y N_j [L]
+      integer, intent(in) :: i !! the first function
+      integer, intent(in) :: j !! the second one
+      integer, intent(in) :: n !! number of functions that there is room for
+      integer, intent(in) :: n_points !! number of points
+      real(dp), intent(in) :: gradient(2, n, n_points) !! the gradients [1/L]
+      real(dp), intent(in) :: volume(n_points) !! the volumes [L^3]
+      integer :: point
+
+      xx = 0.0_dp
+      xy = 0.0_dp
+      yx = 0.0_dp
+      yy = 0.0_dp
+      do point = 1, n_points
+         associate (a => gradient(:, i, point), b => gradient(:, j, point))
+            xx = xx + volume(point)*a(1)*b(1)
+            xy = xy + volume(point)*a(1)*b(2)
+            yx = yx + volume(point)*a(2)*b(1)
+            yy = yy + volume(point)*a(2)*b(2)
+         end associate
+      end do
+   end subroutine sum_products
+
    !> Adds the contribution of the hoop strain u_r / r to the stiffness between two nodes.
-   pure subroutine add_hoop_stiffness(geometry, law, i, j, block)
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      real(dp), intent(in) :: law(4) !! stresses of a unit hoop strain [F/L^2]
+   pure subroutine add_hoop_stiffness(block, law, gradient, functions, volume, i, j, n, n_points)
       integer, intent(in) :: i !! node of the rows
       integer, intent(in) :: j !! node of the columns
+      integer, intent(in) :: n !! number of functions that there is room for
+      integer, intent(in) :: n_points !! number of points
       real(dp), intent(inout) :: block(2, 2) !! stiffness between the nodes [F/L]
+      real(dp), intent(in) :: law(4) !! stresses of a unit hoop strain [F/L^2]
+      real(dp), intent(in) :: gradient(2, n, n_points) !! gradients of the functions [1/L]
+      real(dp), intent(in) :: functions(n, n_points) !! the functions over the radius [1/L]
+      real(dp), intent(in) :: volume(n_points) !! volumes of the points [L^3]
       real(dp) :: a_by_hoop(2), hoop_by_b(2), hoop_by_hoop, hoop(2)
       integer :: point
 
       a_by_hoop = 0.0_dp
       hoop_by_b = 0.0_dp
       hoop_by_hoop = 0.0_dp
-      do point = 1, geometry%n_points
-         hoop = [geometry%hoop(i, point), geometry%hoop(j, point)]
-         a_by_hoop = a_by_hoop + geometry%volume(point)*hoop(2)*geometry%gradient(:, i, point)
-         hoop_by_b = hoop_by_b + geometry%volume(point)*hoop(1)*geometry%gradient(:, j, point)
-         hoop_by_hoop = hoop_by_hoop + geometry%volume(point)*hoop(1)*hoop(2)
+      do point = 1, n_points
+         hoop = [functions(i, point), functions(j, point)]
+         a_by_hoop = a_by_hoop + volume(point)*hoop(2)*gradient(:, i, point)
+         hoop_by_b = hoop_by_b + volume(point)*hoop(1)*gradient(:, j, point)
+         hoop_by_hoop = hoop_by_hoop + volume(point)*hoop(1)*hoop(2)
       end do
       block(1, 1) = block(1, 1) + law(1)*(a_by_hoop(1) + hoop_by_b(1)) + law(4)*(a_by_hoop(2) + hoop_by_b(2)) &
          + law(3)*hoop_by_hoop
@@ -385,68 +579,67 @@ contains
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (components, n_nodes) [L]
       real(dp), intent(inout) :: strain(n_strains, max_points) !! the strains; unchanged past the last point [-]
-      real(dp) :: u(2, max_nodes)
+      real(dp) :: u(max_components*max_nodes)
       integer :: i, point
 
-      u = nodal_values(geometry, material, displacement)
+      call find_nodal_values(u, geometry%n_dim, geometry%n_functions, geometry, material, displacement)
       do point = 1, geometry%n_points
-         strain(:, point) = strain_at(geometry, material, u, point)
-         if (material%n_components == 2) cycle
+         strain(:, point) = strain_at(geometry, material, u, geometry%n_dim, geometry%n_functions, point)
+         if (.not. material%is_twisted) cycle
          do i = 1, geometry%n_nodes
             strain(5:, point) = strain(5:, point) + twist_shears(geometry, i, point)*displacement(3, geometry%node(i))
          end do
       end do
    end subroutine find_elastic_strains
 
-   !> The displacements of the nodes of an element and of its bubble; less those of the first node where these are a
-   !> rigid motion: differences are exact where they are small [L].
-   pure function nodal_values(geometry, material, displacement) result(u)
+   !> Finds the displacements of the nodes of an element and of its bubble; less those of the first node where these are
+   !> a rigid motion: differences are exact where they are small.
+   pure subroutine find_nodal_values(u, n_dim, n_functions, geometry, material, displacement)
+      integer, intent(in) :: n_dim !! number of dimensions
+      integer, intent(in) :: n_functions !! number of functions of the element
+      real(dp), intent(out) :: u(n_dim, n_functions) !! the displacements [L]
       type(element_geometry_t), intent(in) :: geometry !! the element's nodes
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (2, n_nodes) [L]
-      real(dp) :: u(2, max_nodes), rigid(2)
+      real(dp), intent(in) :: displacement(:, :) !! displacement of all nodes of the mesh (components, n_nodes) [L]
+      real(dp) :: rigid(max_components)
       integer :: i
 
-      rigid = displacement(:2, geometry%node(1))
-      if (material%is_axisymmetric) rigid(1) = 0.0_dp
-      do i = 1, geometry%n_nodes
-         u(:, i) = displacement(:2, geometry%node(i)) - rigid
-      end do
       associate (n => geometry%n_nodes)
-         if (geometry%n_functions > n) u(:, n + 1) = geometry%loaded_bubble &
-            + matmul(geometry%projection%bubble(:, :2*n), reshape(u(:, :n), [2*n]))
+         rigid(:n_dim) = displacement(:n_dim, geometry%node(1))
+         if (material%is_axisymmetric) rigid(1) = 0.0_dp
+         do i = 1, n
+            u(:, i) = displacement(:n_dim, geometry%node(i)) - rigid(:n_dim)
+         end do
+         if (n_functions > n) u(:, n + 1) = geometry%loaded_bubble(:n_dim) &
+            + matmul(geometry%projection%bubble, reshape(u(:, :n), [n_dim*n]))
       end associate
-   end function nodal_values
+   end subroutine find_nodal_values
 
-   !> Elastic strain at a quadrature point, the total strain less the thermal one, of displacements along x and y.
-   !> Without thermal strain zz is 0 in the plane, except with a projected dilatation, which is the trace then. In
-   !> plane stress zz is set to 0 [-].
-   pure function strain_at(geometry, material, u, point) result(strain)
+   !> Elastic strain at a quadrature point, the total strain less the thermal one, of displacements in the dimensions of
+   !> the mesh. Without thermal strain zz is 0 in the plane, except with a projected dilatation, which is the trace then.
+   !> In plane stress zz is set to 0 [-].
+   pure function strain_at(geometry, material, u, n_dim, n_functions, point) result(strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: u(2, max_nodes) !! displacements, from `nodal_values` [L]
+      integer, intent(in) :: n_dim !! number of dimensions
+      integer, intent(in) :: n_functions !! number of functions of the element
+      real(dp), intent(in) :: u(n_dim, n_functions) !! displacements, from `find_nodal_values` [L]
       integer, intent(in) :: point !! number of the quadrature point
       real(dp) :: strain(n_strains)
       real(dp) :: excess
       integer :: i, m
 
       strain = 0.0_dp
-      do i = 1, geometry%n_functions
-         associate (g => geometry%gradient(:, i, point))
-            strain(1) = strain(1) + g(1)*u(1, i)
-            strain(2) = strain(2) + g(2)*u(2, i)
-            strain(4) = strain(4) + (g(2)*u(1, i) + g(1)*u(2, i))
-         end associate
-      end do
+      call add_strains(strain, geometry%gradient(1, 1, point), u, n_dim, n_functions)
       if (material%is_axisymmetric) then
-         do i = 1, geometry%n_functions
+         do i = 1, n_functions
             strain(3) = strain(3) + geometry%hoop(i, point)*u(1, i)
          end do
       end if
       if (geometry%n_modes > 0) then
          excess = strain(1) + strain(2) + strain(3)
          do m = 1, geometry%n_modes
-            do i = 1, geometry%n_functions
+            do i = 1, n_functions
                excess = excess - geometry%mode(m, point)*dot_product(geometry%projection%dilatation(:, i, m), u(:, i))
             end do
          end do
@@ -456,38 +649,78 @@ contains
          - geometry%thermal_strain(point)*material%expansion_form()
    end function strain_at
 
+   !> Adds the strains of displacements, but for that of a hoop.
+   pure subroutine add_strains(strain, gradient, u, n_dim, n)
+      integer, intent(in) :: n_dim !! number of dimensions
+      integer, intent(in) :: n !! number of functions
+      real(dp), intent(inout) :: strain(n_strains) !! the strain; gains these [-]
+      real(dp), intent(in) :: gradient(n_dim, n) !! gradients of the functions [1/L]
+      real(dp), intent(in) :: u(n_dim, n) !! the displacements [L]
+      integer :: i
+
+      do i = 1, n
+         associate (g => gradient(:, i))
+            strain(1) = strain(1) + g(1)*u(1, i)
+            strain(2) = strain(2) + g(2)*u(2, i)
+            strain(4) = strain(4) + (g(2)*u(1, i) + g(1)*u(2, i))
+            if (n_dim == 2) cycle
+            strain(3) = strain(3) + g(3)*u(3, i)
+            strain(5) = strain(5) + (g(3)*u(2, i) + g(2)*u(3, i))
+            strain(6) = strain(6) + (g(3)*u(1, i) + g(1)*u(3, i))
+         end associate
+      end do
+   end subroutine add_strains
+
+   !> Adds the nodal forces of a stress at a point, but for those of a hoop.
+   pure subroutine add_forces(forces, s, gradient, n_dim, n)
+      integer, intent(in) :: n_dim !! number of dimensions
+      integer, intent(in) :: n !! number of functions
+      real(dp), intent(inout) :: forces(max_components, n) !! the forces; gain these [F]
+      real(dp), intent(in) :: s(n_strains) !! stress times volume [F L]
+      real(dp), intent(in) :: gradient(n_dim, n) !! gradients of the functions [1/L]
+      integer :: i
+
+      do i = 1, n
+         associate (g => gradient(:, i))
+            if (n_dim == 2) then
+               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(4)*g(2))
+               forces(2, i) = forces(2, i) + (s(4)*g(1) + s(2)*g(2))
+            else
+               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(4)*g(2) + s(6)*g(3))
+               forces(2, i) = forces(2, i) + (s(4)*g(1) + s(2)*g(2) + s(5)*g(3))
+               forces(3, i) = forces(3, i) + (s(6)*g(1) + s(5)*g(2) + s(3)*g(3))
+            end if
+         end associate
+      end do
+   end subroutine add_forces
+
    !> Nodal forces of the stresses of an element: sum over the points of volume times B^T stress. A node moves the
    !> bubble, and so bears its share of the force on that.
    pure subroutine find_nodal_forces(forces, geometry, material, stress)
       real(dp), intent(out) :: forces(max_components, max_nodes)
-         !! nodal forces of the element, and the force on its bubble [F]
+         !! nodal forces of the element, and the force on its bubble; not set past these [F]
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(in) :: stress(:, :) !! stresses at the points (n_strains, points) [F/L^2]
       real(dp) :: s(n_strains)
       integer :: i, point
 
-      forces = 0.0_dp
+      forces(:, :geometry%n_functions) = 0.0_dp
       do point = 1, geometry%n_points
          s = stress(:, point)*geometry%volume(point)
-         do i = 1, geometry%n_functions
-            associate (g => geometry%gradient(:, i, point))
-               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(4)*g(2))
-               forces(2, i) = forces(2, i) + (s(4)*g(1) + s(2)*g(2))
-            end associate
-         end do
+         call add_forces(forces, s, geometry%gradient(1, 1, point), geometry%n_dim, geometry%n_functions)
          if (.not. material%is_axisymmetric) cycle
          do i = 1, geometry%n_functions
             forces(1, i) = forces(1, i) + s(3)*geometry%hoop(i, point)
          end do
-         if (material%n_components == 2) cycle
+         if (.not. material%is_twisted) cycle
          do i = 1, geometry%n_nodes
             forces(3, i) = forces(3, i) + dot_product(s(5:), twist_shears(geometry, i, point))
          end do
       end do
-      associate (n => geometry%n_nodes)
-         if (geometry%n_functions > n) forces(:2, :n) = forces(:2, :n) &
-            + reshape(matmul(forces(:2, n + 1), geometry%projection%bubble(:, :2*n)), [2, n])
+      associate (n => geometry%n_nodes, d => geometry%n_dim)
+         if (geometry%n_functions > n) forces(:d, :n) = forces(:d, :n) &
+            + reshape(matmul(forces(:d, n + 1), geometry%projection%bubble), [d, n])
       end associate
    end subroutine find_nodal_forces
 

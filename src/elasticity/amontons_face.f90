@@ -1,7 +1,8 @@
 !> Faces of the boundary, in the plane its sides, with one quadrature: loads, foundations, areas and normals are sums
 !> over its points.
 module amontons_face
-   use amontons_element, only: n_side_points, side_abscissa, side_shapes, side_weight
+   use amontons_element, only: max_nodes, n_fine_points, n_side_points, quad4, quad8, quadrature_point, shape_functions, &
+      side_abscissa, side_shapes, side_weight, tri3, tri6
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
@@ -11,19 +12,22 @@ module amontons_face
 
    public :: face_t, new_face, place_side, set_faces
 
-   !> A face with what is integrated over it at its Gauss points, exact for products of quadratic functions.
+   !> A face with what is integrated over it at its Gauss points, exact for products of quadratic functions on a line or
+   !> a plane.
    type :: face_t
       integer :: n_nodes = 0 !! number of nodes
-      integer :: node(3) = 0 !! its nodes: first corner, second corner, the body on the left of them, middle or 0
+      integer, allocatable :: node(:) !! its nodes, as of `mesh_side`, then 0
       integer :: element = 0 !! its element
       integer :: number = 0 !! its number among the sides of all elements, `side_number`; 0 from `new_face`
-      real(dp) :: values(3, n_side_points) = 0.0_dp !! shape functions (node, point) [-]
-      real(dp) :: position(2, n_side_points) = 0.0_dp !! coordinates of the points [L]
-      real(dp) :: outward(2, n_side_points) = 0.0_dp
-         !! outward normal times the part of the length that each point stands for (2, points) [L]
-      real(dp) :: length(n_side_points) = 0.0_dp !! this part of the length [L]
-      real(dp) :: depth(n_side_points) = 0.0_dp !! thickness, or circumference of the body of revolution [L]
-      real(dp) :: area(n_side_points) = 0.0_dp !! length times depth [L^2]
+      real(dp), allocatable :: values(:, :) !! shape functions (node, point) [-]
+      real(dp), allocatable :: position(:, :) !! coordinates of the points (n_dim, points) [L]
+      real(dp), allocatable :: outward(:, :)
+         !! outward normal times the part of the length, in space of the area, that each point stands for
+         !! (n_dim, points) [L] or [L^2]
+      real(dp), allocatable :: length(:) !! this part of the length, in space of the area (points) [L] or [L^2]
+      real(dp), allocatable :: depth(:)
+         !! thickness, or circumference of the body of revolution [L]; 1 in space (points)
+      real(dp), allocatable :: area(:) !! length times depth (points) [L^2]
    end type face_t
 
 contains
@@ -49,31 +53,41 @@ contains
       end associate
    end subroutine set_faces
 
-   !> Makes a face, or a part of it, from the nodes of a side.
+   !> Makes a face, or in the plane a part of it, from the nodes of a side.
    pure subroutine new_face(face, side, mesh, materials, range)
       type(face_t), intent(out) :: face !! the face
-      integer, intent(in) :: side(4) !! first corner, second corner, middle or 0, element, as of `mesh_set_sides`
+      integer, intent(in) :: side(:) !! its nodes and its element, as of `mesh_set_sides`
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in), optional :: materials
          !! the materials of its elements, which give the depth; it is 1 without them
       real(dp), intent(in), optional :: range(2) !! where the part begins and ends; the whole face is -1, 1 [-]
-      real(dp) :: along(2), ends(2), half, nodes(2, 3), slope(3)
-      integer :: point
+      real(dp) :: along(2), ends(2), half, slope(3)
+      integer :: n_points, point
 
-      face%n_nodes = count(side(:3) > 0)
-      face%node = side(:3)
-      face%element = side(4)
-      nodes = 0.0_dp
-      nodes(:, :face%n_nodes) = mesh%coordinates(:, side(:face%n_nodes))
-      ends = [-1.0_dp, 1.0_dp]
-      if (present(range)) ends = range
-      half = 0.5_dp*(ends(2) - ends(1))
-      do point = 1, n_side_points
-         call side_shapes(side(3) > 0, 0.5_dp*sum(ends) + half*side_abscissa(point), face%values(:, point), slope)
-         face%position(:, point) = matmul(nodes, face%values(:, point))
-         along = half*side_weight(point)*matmul(nodes, slope)
-         face%outward(:, point) = [along(2), -along(1)]
-      end do
+      associate (n_dim => size(mesh%coordinates, 1), n => size(side) - 1)
+         face%n_nodes = count(side(:n) > 0)
+         face%node = side(:n)
+         face%element = side(n + 1)
+         n_points = n_side_points
+         if (n_dim == 3) n_points = n_fine_points(merge(tri6, quad8, mod(face%n_nodes, 3) == 0))
+         allocate (face%values(max(3, face%n_nodes), n_points), face%position(n_dim, n_points), &
+            face%outward(n_dim, n_points), face%depth(n_points))
+      end associate
+      if (size(face%position, 1) == 3) then
+         call integrate_face(face, mesh%coordinates(:, side(:face%n_nodes)))
+      else
+         ends = [-1.0_dp, 1.0_dp]
+         if (present(range)) ends = range
+         half = 0.5_dp*(ends(2) - ends(1))
+         associate (n => face%n_nodes, x => mesh%coordinates(:, side(:face%n_nodes)))
+            do point = 1, n_points
+               call side_shapes(n > 2, 0.5_dp*sum(ends) + half*side_abscissa(point), face%values(:, point), slope)
+               face%position(:, point) = matmul(x, face%values(:n, point))
+               along = half*side_weight(point)*matmul(x, slope(:n))
+               face%outward(:, point) = [along(2), -along(1)]
+            end do
+         end associate
+      end if
       face%length = norm2(face%outward, dim=1)
       face%depth = 1.0_dp
       if (present(materials)) face%depth = materials%list(materials%of_element(face%element))%depth(face%position(1, :))
@@ -99,5 +113,42 @@ contains
          normal(:, k) = [along(2), -along(1)]/norm2(along)
       end do
    end subroutine place_side
+
+   !> Sets shape functions, positions and area vectors at the points of a face in space.
+   pure subroutine integrate_face(face, x)
+      type(face_t), intent(inout) :: face !! the face, its arrays allocated
+      real(dp), intent(in) :: x(:, :) !! coordinates of its nodes (3, nodes) [L]
+      real(dp) :: xi(2), weight, values(max_nodes), derivatives(2, max_nodes), tangents(3, 2)
+      integer :: kind, point
+
+      kind = face_kind(face%n_nodes)
+      associate (n => face%n_nodes)
+         do point = 1, size(face%values, 2)
+            call quadrature_point(kind, size(face%values, 2), point, xi, weight)
+            call shape_functions(kind, xi, values, derivatives)
+            face%values(:, point) = values(:n)
+            face%position(:, point) = matmul(x, values(:n))
+            tangents = matmul(x, transpose(derivatives(:, :n)))
+            face%outward(:, point) = weight*(cshift(tangents(:, 1), 1)*cshift(tangents(:, 2), 2) &
+               - cshift(tangents(:, 1), 2)*cshift(tangents(:, 2), 1))
+         end do
+      end associate
+   end subroutine integrate_face
+
+   !> The kind of plane element whose shape functions a face of a solid has.
+   elemental integer function face_kind(n_nodes)
+      integer, intent(in) :: n_nodes !! number of nodes of the face: 3, 4, 6 or 8
+
+      select case (n_nodes)
+      case (3)
+         face_kind = tri3
+      case (4)
+         face_kind = quad4
+      case (6)
+         face_kind = tri6
+      case default
+         face_kind = quad8
+      end select
+   end function face_kind
 
 end module amontons_face

@@ -163,27 +163,29 @@ contains
       ! Halves in which the sign is still in doubt are halved again, up to this many times: by then the bounds are as
       ! close as the square of their size.
       integer, parameter :: most_halvings = 24
-      real(dp) :: coefficients(most_values, most_values**2), least
-      integer :: axis, i, k, kind, n, m
+      real(dp) :: coefficients(most_values, most_values**2), least, x(3, max_nodes)
+      integer :: axis, i, k, kind, n, m, n_dim, n_nodes
 
       kind = self%element_kind(element)
       if (is_solid(kind)) then
          if (is_straight(self, element)) kind = corner_kind(kind)
       end if
       n = jacobian_degree(kind) + 1
-      m = n**(size(self%coordinates, 1) - 1)
-      associate (x => self%coordinates(:, self%node(self%node_start(element):self%node_start(element + 1) - 1)), &
-         derivatives => reference(kind)%derivatives)
-         least = rounding_of_volume(x)
-         do k = 1, m
-            do i = 1, n
-               coefficients(i, k) = determinant(x, derivatives(:, :, n*(k - 1) + i))
-            end do
+      n_dim = size(self%coordinates, 1)
+      m = n**(n_dim - 1)
+      n_nodes = self%node_start(element + 1) - self%node_start(element)
+      do i = 1, n_nodes
+         x(:n_dim, i) = self%coordinates(:, self%node(self%node_start(element) + i - 1))
+      end do
+      least = rounding_of_volume(x(:n_dim, :n_nodes))
+      do k = 1, m
+         do i = 1, n
+            coefficients(i, k) = determinant(x(:n_dim, :), reference(kind)%derivatives(:, :, n*(k - 1) + i))
          end do
-      end associate
+      end do
       if (n > 2) then
          ! Along one direction after the other, each of which becomes the last.
-         do axis = 1, size(self%coordinates, 1)
+         do axis = 1, n_dim
             coefficients(:n, :m) = reshape(transpose(matmul(reference(kind)%to_bernstein, coefficients(:n, :m))), &
                [n, m])
          end do
