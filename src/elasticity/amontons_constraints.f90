@@ -553,22 +553,25 @@ contains
       end do
    end function constraints_supported_part
 
-   !> Along which tangents of a surface supports bear the shear at a node, alone or with its rigid set: along all but as
-   !> many of the first as they leave directions free besides one, which is for the normal; and around the axis if they
-   !> hold it (n_components - 1).
-   pure function constraints_fixed_tangents(self, node, frame) result(is_fixed)
+   !> Along which tangents of a surface supports bear the shear at nodes, alone or with their rigid sets: along all but
+   !> as many of the first as they leave directions free besides one, which is for the normal; and around the axis if
+   !> they hold it (n_components - 1, nodes).
+   pure function constraints_fixed_tangents(self, nodes, frames) result(is_fixed)
       class(constraints_t), intent(in) :: self !! the constraints
-      integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: frame(:, :) !! normal and tangents as columns (n_components, n_components) [-]
-      logical :: is_fixed(size(frame, 2) - 1)
-      integer :: k
+      integer, intent(in) :: nodes(:) !! the nodes
+      real(dp), intent(in) :: frames(:, :, :)
+         !! normal and tangents at each as columns (n_components, n_components, nodes) [-]
+      logical :: is_fixed(size(frames, 2) - 1, size(nodes))
+      integer :: i, k
 
-      associate (n_dim => size(self%place, 1))
-         do k = 1, size(is_fixed)
-            is_fixed(k) = merge(count(self%is_free(:n_dim, node)) <= k, .not. self%is_free(k + 1, node), k < n_dim) &
-               .and. .not. self%rigid_moves(node, frame(:, k + 1))
+      do i = 1, size(nodes)
+         do k = 1, size(is_fixed, 1)
+            associate (n_dim => size(self%place, 1), is_free => self%is_free(:, nodes(i)))
+               is_fixed(k, i) = merge(count(is_free(:n_dim)) <= k, .not. is_free(k + 1), k < n_dim) &
+                  .and. .not. self%rigid_moves(nodes(i), frames(:, k + 1, i))
+            end associate
          end do
-      end associate
+      end do
    end function constraints_fixed_tangents
 
    !> Whether the supports leave a node free in some direction that is not perpendicular to a given one, alone or with

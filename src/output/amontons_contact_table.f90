@@ -107,8 +107,7 @@ contains
       rows = side_rows(zone, .true.)
       do set = 1, size(zone%pairs)
          if (.not. any(self%set == set)) cycle
-         on_nodes = rows%forces(merge(force, 0.0_dp, [(zone%set == set, k=0, zone%n_tangents)]), n_nodes, &
-            1 + zone%n_tangents)
+         on_nodes = rows%forces(merge(force, 0.0_dp, [(zone%set == set, k=0, zone%n_tangents)]), n_nodes)
          do k = 1, self%n_nodes
             if (self%set(k) == set) forces(:, k) = on_nodes(:, self%node(k))
          end do

@@ -469,9 +469,9 @@ contains
          is_meant = body%zone%set == i
          is_meant(pack(body%zone%passed_point(2, :), body%zone%passed_point(1, :) == i)) = .true.
          traction = body%zone%rows%forces(merge(force, 0.0_dp, [(is_meant, k=0, body%zone%n_tangents)]), &
-            body%mesh%n_nodes, 2)
+            body%mesh%n_nodes)
          area = norm2(body%zone%rows%forces([merge(body%zone%area, 0.0_dp, is_meant), 0.0_dp*force], &
-            body%mesh%n_nodes, 2), dim=1)
+            body%mesh%n_nodes), dim=1)
          ! The contact zone was made of these patches, so they are sound.
          call new_patch(patch, body%mesh, load_case%contacts(i)%set, error, body%materials)
          ! The points of a pair have no area where the slave faces nothing.
@@ -480,15 +480,15 @@ contains
          place = [(k, k=1, patch%n_nodes)]
          where (area <= computed_rounding*maxval(area)) place = merge(patch%line%next, place - 1, patch%line%next > 0)
          traction(:, patch%node) = traction(:, patch%node(place))/spread(max(area(place), tiny(1.0_dp)), 1, 2)
-         call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, traction)
+         call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, traction(:2, :))
       end do
       is_joined = .false.
       do i = 1, size(body%zone%pairs)
          if (body%zone%pairs(i)%is_set()) call mark_sides(is_joined, body%zone%pairs(i)%master, &
             body%zone%pairs(i)%segments%master)
       end do
-      traction = body%zone%rows%forces(force, body%mesh%n_nodes, 2)
-      is_joined = is_joined .and. any(abs(traction) > 0.0_dp, dim=1)
+      traction = body%zone%rows%forces(force, body%mesh%n_nodes)
+      is_joined = is_joined .and. any(abs(traction(:2, :)) > 0.0_dp, dim=1)
       do i = 1, size(body%ties)
          call mark_sides(is_joined, body%ties(i)%master, body%ties(i)%segments%master)
          call mark_sides(is_joined, body%ties(i)%slave, body%ties(i)%segments%slave)

@@ -59,8 +59,7 @@ contains
       call cut_into_cells(cells, patch%sides(), body%mesh, partition, error)
       if (allocated(error)) return
       call integrate(cells, patch, body, direction)
-      allocate (cells%is_held(cells%n_cells), cells%is_fixed(body%materials%n_components() - 1, cells%n_cells), &
-         source=.true.)
+      allocate (cells%is_held(cells%n_cells), cells%is_fixed(body%materials%n_components() - 1, cells%n_cells))
       do cell = 1, cells%n_cells
          associate (normal => cells%normal(:, cell), center => cells%center(:, cell))
             if (norm2(normal) < smallest) then
@@ -70,11 +69,9 @@ contains
             end if
             normal = normal/norm2(normal)
             associate (node => cells%rows%node(cells%rows%start(cell):cells%rows%start(cell + 1) - 1))
-               do k = 1, size(node)
-                  cells%is_held(cell) = cells%is_held(cell) .and. .not. body%constraints%leaves_free(node(k), normal)
-                  cells%is_fixed(:, cell) = cells%is_fixed(:, cell) .and. body%constraints%fixed_tangents(node(k), &
-                     new_frame(normal, body%materials%n_components()))
-               end do
+               cells%is_held(cell) = .not. any([(body%constraints%leaves_free(node(k), normal), k=1, size(node))])
+               cells%is_fixed(:, cell) = all(body%constraints%fixed_tangents(node, spread(new_frame(normal, &
+                  body%materials%n_components()), 3, size(node))), dim=2)
             end associate
          end associate
       end do

@@ -144,20 +144,19 @@ contains
    end function contact_rows_displacement
 
    !> -C^T lambda: the forces of the obstacle on the nodes (components, n_nodes) [F].
-   pure function contact_rows_forces(self, force, n_nodes, n_components) result(forces)
+   pure function contact_rows_forces(self, force, n_nodes) result(forces)
       class(contact_rows_t), intent(in) :: self !! the rows
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (components m) [F]
       integer, intent(in) :: n_nodes !! number of nodes
-      integer, intent(in) :: n_components !! number of components of a force
       real(dp), allocatable :: forces(:, :)
       integer :: p, i, k, m
 
       m = size(self%start) - 1
-      allocate (forces(n_components, n_nodes), source=0.0_dp)
+      allocate (forces(size(self%block, 1), n_nodes), source=0.0_dp)
       do p = 1, m
          do i = self%start(p), self%start(p + 1) - 1
             associate (on_node => forces(:, self%node(i)))
-               do k = 1, n_components
+               do k = 1, size(self%block, 2)
                   on_node = on_node - force(p + (k - 1)*m)*self%block(:, k, i)
                end do
             end associate

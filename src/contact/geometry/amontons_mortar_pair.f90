@@ -580,10 +580,7 @@ contains
          end associate
       end do
       pair%frame = new_frames(normal(:, pair%node), size(constraints%is_free, 1))
-      allocate (pair%is_fixed(size(pair%frame, 2) - 1, size(pair%node)))
-      do i = 1, size(pair%node)
-         pair%is_fixed(:, i) = constraints%fixed_tangents(pair%node(i), pair%frame(:, :, i))
-      end do
+      pair%is_fixed = constraints%fixed_tangents(pair%node, pair%frame)
       point = 0
       point(pair%node) = [(i, i=1, size(pair%node))]
       allocate (pair%point_of(2, pair%slave%n_sides))

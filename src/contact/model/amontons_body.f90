@@ -413,7 +413,7 @@ contains
          driven%lead = pair%lead
          driven%own(:2) = pair%jump
       end associate
-      force = points%rows%forces(share, body%mesh%n_nodes, size(body%constraints%is_free, 1))
+      force = points%rows%forces(share, body%mesh%n_nodes)
       driven%name = name
       driven%kind = 'preload'
       driven%words = [character(16) :: 'shortening', 'force']
@@ -825,10 +825,8 @@ contains
       real(dp), allocatable :: motion(:, :)
       real(dp) :: position(2), errors
       logical :: is_fixed(zone%n_rows)
-      integer :: axis, i, j, k, p
+      integer :: i, j, k, p
 
-      ! The slip that a support prevents is no unknown of the contact problem.
-      is_fixed = [spread(.false., 1, zone%n_points), transpose(zone%is_fixed)]
       allocate (modes(zone%n_rows, sum(motions%n_free)), source=0.0_dp)
       allocate (is_inside(maxval([0, zone%rows%node])))
       k = 0
@@ -841,22 +839,19 @@ contains
                position = coordinates(:, zone%rows%node(i))
                if (is_mated .and. zone%pairs(zone%set(p))%is_set()) position = zone%position(:, p)
                motion = motions(j)%displacement(position, zone%rows%node(i))
-               associate (block => zone%rows%block(:, :, i))
-                  do axis = 1, size(block, 2)
-                     associate (row => modes(p + (axis - 1)*zone%n_points, k + 1:k + motions(j)%n_free))
-                        if (.not. is_fixed(p + (axis - 1)*zone%n_points)) row = row + matmul(block(:, axis), motion)
-                     end associate
-                  end do
+               associate (at_point => modes(p::zone%n_points, k + 1:k + motions(j)%n_free))
+                  at_point = at_point + matmul(transpose(zone%rows%block(:, :, i)), motion)
                end associate
             end do
          end do
          k = k + motions(j)%n_free
       end do
       ! Levers have the rounding errors of coordinates. The unlimited force of a wall, times what rounding leaves of its
-      ! work, would bear a load along it.
+      ! work, would bear a load along it. The slip that a support prevents is no unknown of the contact problem.
       errors = sum_rounding + epsilon(errors)*maxval(abs(coordinates))/minval(motions%radius)
+      is_fixed = [spread(.false., 1, zone%n_points), transpose(zone%is_fixed)]
       do p = 1, zone%n_rows
-         if (norm2(modes(p, :)) <= errors) modes(p, :) = 0.0_dp
+         if (is_fixed(p) .or. norm2(modes(p, :)) <= errors) modes(p, :) = 0.0_dp
       end do
    end subroutine find_rigid_modes
 

@@ -110,7 +110,7 @@ contains
       else
          call body%internal_forces(internal, displacement, load_case%element_load)
       end if
-      contact = body%zone%rows%forces(force, body%mesh%n_nodes, size(displacement, 1))
+      contact = body%zone%rows%forces(force, body%mesh%n_nodes)
       reaction = internal - load_case%force - contact
       named = force_values(body, reaction, displacement, force, load_case%driven)
       ! The reactions of bonded nodes are the forces that the surfaces exert on each other.
@@ -418,7 +418,7 @@ contains
          if (.not. is_paired(p)) of_pairs(p::size(is_paired)) = 0.0_dp
       end do
       on_nodes = contact
-      if (.not. all(is_paired)) on_nodes = body%zone%rows%forces(of_pairs, body%mesh%n_nodes, size(contact, 1))
+      if (.not. all(is_paired)) on_nodes = body%zone%rows%forces(of_pairs, body%mesh%n_nodes)
       ! Around the axis moments cancel, not forces.
       if (body%materials%is_twisted()) on_nodes(3, :) = on_nodes(3, :)*body%mesh%coordinates(1, :) &
          /maxval(body%mesh%coordinates(1, :))
@@ -443,7 +443,7 @@ contains
 
       certificate%has_ties = size(tied) > 0
       if (.not. certificate%has_ties) return
-      on_nodes = body%tie_rows%forces(tied, body%mesh%n_nodes, size(contact, 1))
+      on_nodes = body%tie_rows%forces(tied, body%mesh%n_nodes)
       contact = contact + on_nodes
       if (body%is_axisymmetric) return
       set = [([(size(body%zone%pairs) + i, p=1, size(body%ties(i)%node))], i=1, size(body%ties))]

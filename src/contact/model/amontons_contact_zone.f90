@@ -387,10 +387,7 @@ contains
       points%line%next = point_of(patch%line%next(kept(:n)))
       points%is_own = points_are_own(:n)
       points%frame = new_frames(normal(:, kept(:n)), 1 + zone%n_tangents)
-      allocate (points%is_fixed(zone%n_tangents, n))
-      do i = 1, n
-         points%is_fixed(:, i) = body%constraints%fixed_tangents(patch%node(kept(i)), points%frame(:, :, i))
-      end do
+      points%is_fixed = body%constraints%fixed_tangents(patch%node(kept(:n)), points%frame)
       points%position = body%mesh%coordinates(:, patch%node(kept(:n)))
       associate (share => area(place)/points%area(own), node => patch%node(place))
          points%rows%node = node
@@ -472,7 +469,7 @@ contains
       type(contact_zone_t) :: points
       type(error_t), allocatable :: shear_fault
       logical :: is_fixed(zone%n_tangents)
-      integer :: p, i
+      integer :: p
 
       associate (pair => zone%pairs(set))
          call new_mortar_pair(pair, contact%set, contact%pairing, body, taken, error)
@@ -496,10 +493,11 @@ contains
             points%position = integrals%center
             ! Around the axis the master may move, too.
             do p = 1, size(pair%frame, 3)
-               do i = integrals%rows%start(p), integrals%rows%start(p + 1) - 1
-                  is_fixed = body%constraints%fixed_tangents(integrals%rows%node(i), pair%frame(:, :, p))
-                  points%is_fixed(2:, p) = points%is_fixed(2:, p) .and. is_fixed(2:)
-               end do
+               associate (nodes => integrals%rows%node(integrals%rows%start(p):integrals%rows%start(p + 1) - 1))
+                  is_fixed = all(body%constraints%fixed_tangents(nodes, spread(pair%frame(:, :, p), 3, size(nodes))), &
+                     dim=2)
+                  points%is_fixed(2:, p) = is_fixed(2:)
+               end associate
             end do
          else
             points%is_own = body%constraints%rigid_of(pair%node) == 0

@@ -80,8 +80,8 @@ contains
       real(dp), allocatable :: imbalance(:), internal(:, :)
 
       call body%internal_forces(internal, displacement, load_case%element_load)
-      imbalance = to_unknowns(load_case%force + body%zone%rows%forces(force, body%mesh%n_nodes, &
-         size(displacement, 1)) - internal, body%constraints, body%dof_map)
+      imbalance = to_unknowns(load_case%force + body%zone%rows%forces(force, body%mesh%n_nodes) &
+         - internal, body%constraints, body%dof_map)
    end function imbalance
 
    !> The rigid motion of each piece that is closest to the displacements of its nodes, by least squares (components,

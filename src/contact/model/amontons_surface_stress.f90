@@ -10,6 +10,7 @@ module amontons_surface_stress
    use amontons_element, only: side_abscissa, side_shapes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, set_faces
+   use amontons_frame, only: turned
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t
    use amontons_material, only: axes_at_angle, in_plane, material_t, n_strains, turned_compliance
@@ -201,11 +202,8 @@ contains
          end associate
       end do
       material = body%materials%list(body%materials%of_element(faces(places(1)%face)%element))
-      associate (normal => body%zone%normal(p))
-         surface%outward(:, p) = [dot_product(normal, outward), normal(1)*outward(2) - normal(2)*outward(1)] &
-            /norm2(outward)
-         surface%compliance(:, :, p) = surface_compliance(material, [-outward(2), outward(1)]/norm2(outward))
-      end associate
+      surface%outward(:, p) = matmul(outward, body%zone%frame(:, :, p))/norm2(outward)
+      surface%compliance(:, :, p) = surface_compliance(material, turned(outward)/norm2(outward))
       do k = 1, 2
          associate (sum_number => 2*(p - 1) + k)
             row = condensed_force(body, field(:, :, k))
