@@ -340,6 +340,7 @@ contains
          if (dimension /= cell_dimension(kind)) call input%refuse('elements on an entity of dimension '// &
             to_text(dimension)//', which is not their own')
          call take_block_size(input, n, n_left, 'elements')
+         if (allocated(input%error)) return
          first = raw%cell_tag%n + 1
          do element = 1, n
             call input%start_record()
