@@ -1,7 +1,8 @@
 !> Nested dissection of a matrix, and the fronts that eliminate it in this order.
 !>
 !> Geometric dissection cuts through the places of unknowns, and the separators are eliminated last. A cut goes across
-!> the longer side of the box around the places of a domain, at their median. What lies on one side couples with the
+!> the longer side of the box around the places of a domain, at their median; in space it is the best of several. What
+!> lies on one side couples with the
 !> other side only through the separator: the places beyond the cut that have neighbors before it. The two sides are
 !> domains that are cut again, down to small ones.
 !>
@@ -72,7 +73,7 @@ contains
    subroutine new_dissection(dissection, graph, place)
       type(dissection_t), intent(out) :: dissection !! the dissection
       type(graph_t), intent(in) :: graph !! the graph
-      real(dp), intent(in) :: place(:, :) !! position of each supervariable of the interior (2, n - n_schur) [L]
+      real(dp), intent(in) :: place(:, :) !! position of each supervariable of the interior (n_dim, n - n_schur) [L]
       integer, allocatable :: side(:)
       integer :: n, k
 
@@ -96,7 +97,7 @@ contains
    !> Orders a domain: first the part before the cut, then the part beyond it, last the separator.
    recursive subroutine dissect(graph, place, side, first, last, dissection)
       type(graph_t), intent(in) :: graph !! the graph
-      real(dp), intent(in) :: place(:, :) !! position of each supervariable of the interior (2, n - n_schur) [L]
+      real(dp), intent(in) :: place(:, :) !! position of each supervariable of the interior (n_dim, n - n_schur) [L]
       integer, intent(inout) :: side(:) !! 0 for the supervariables of the domain, before and after (n)
       integer, intent(in) :: first !! position of the first supervariable of the domain
       integer, intent(in) :: last !! position of the last one
@@ -120,19 +121,78 @@ contains
    !> never empty.
    subroutine split(graph, place, side, domain, n_before, n_beyond)
       type(graph_t), intent(in) :: graph !! the graph
-      real(dp), intent(in) :: place(:, :) !! position of each supervariable of the interior (2, n - n_schur) [L]
+      real(dp), intent(in) :: place(:, :) !! position of each supervariable of the interior (n_dim, n - n_schur) [L]
       integer, intent(inout) :: side(:) !! 0 for the supervariables of the domain, before and after (n)
       integer, intent(inout) :: domain(:) !! the supervariables of the domain, in their order on return
       integer, intent(out) :: n_before !! number before the cut; 0 if all have the same position
       integer, intent(out) :: n_beyond !! number beyond the cut, without the separator
-      integer :: old(size(domain)), next(3), i, k, last
+      integer :: old(size(domain)), next(3), i, k
       logical, allocatable :: is_before(:)
 
       n_before = 0
       n_beyond = 0
-      call cut_places(place(:, domain), is_before)
-      if (.not. any(is_before)) return
       old = domain
+      if (size(place, 1) == 2) then
+         call cut_places(place(:, old), is_before)
+      else
+         call find_best_cut(is_before, graph, place(:, old), side, old)
+      end if
+      if (.not. any(is_before)) return
+      call mark_sides(graph, side, old, is_before)
+      n_before = count(side(old) == before)
+      n_beyond = count(side(old) == beyond)
+      next = [1, n_before + 1, n_before + n_beyond + 1]
+      do i = 1, size(old)
+         k = side(old(i))
+         domain(next(k)) = old(i)
+         next(k) = next(k) + 1
+      end do
+      side(old) = 0
+   end subroutine split
+
+   !> Finds the cut of a domain in space whose separator is the smallest, among those across the longer sides of the box
+   !> around its places, at several shares of the places. Parts of different size count as a larger separator.
+   subroutine find_best_cut(is_before, graph, place, side, domain)
+      logical, allocatable, intent(out) :: is_before(:) !! whether each lies before the cut; none at one place
+      type(graph_t), intent(in) :: graph !! the graph
+      real(dp), intent(in) :: place(:, :) !! positions of the supervariables of the domain (3, any) [L]
+      integer, intent(inout) :: side(:) !! 0 for the supervariables of the domain, before and after (n)
+      integer, intent(in) :: domain(:) !! the supervariables of the domain
+      ! Small domains have one cut across each side: more cost time and save nothing; measured.
+      integer, parameter :: worth_choice = 200
+      real(dp), parameter :: shares(*) = [0.5_dp, 0.42_dp, 0.46_dp, 0.54_dp, 0.58_dp]
+      logical, allocatable :: other(:)
+      real(dp) :: extent(size(place, 1)), least, cost
+      integer :: across, i
+
+      allocate (is_before(size(domain)), source=.false.)
+      extent = maxval(place, dim=2) - minval(place, dim=2)
+      least = huge(least)
+      do across = 1, size(extent)
+         if (.not. extent(across) > 0.5_dp*maxval(extent)) cycle
+         do i = 1, merge(size(shares), 1, size(domain) >= worth_choice)
+            call cut_across(place(across, :), shares(i), extent(across), other)
+            if (.not. any(other) .or. all(other)) cycle
+            call mark_sides(graph, side, domain, other)
+            associate (difference => abs(count(side(domain) == before) - count(side(domain) == beyond)))
+               cost = count(side(domain) == separator)*(1.0_dp + 0.5_dp*difference/size(domain))
+            end associate
+            side(domain) = 0
+            if (.not. cost < least) cycle
+            least = cost
+            is_before = other
+         end do
+      end do
+   end subroutine find_best_cut
+
+   !> Marks for each supervariable of a domain whether it lies before a cut, beyond it or in the separator.
+   subroutine mark_sides(graph, side, old, is_before)
+      type(graph_t), intent(in) :: graph !! the graph
+      integer, intent(inout) :: side(:) !! 0 for the supervariables of the domain; gains `before`, `beyond`, `separator`
+      integer, intent(in) :: old(:) !! the supervariables of the domain
+      logical, intent(in) :: is_before(:) !! whether each lies before the cut
+      integer :: i, last
+
       side(old) = merge(before, beyond, is_before)
       ! Mark the separator, which is never empty: two sides that do not couple still get one, so that no domain is cut
       ! in more than two.
@@ -151,16 +211,7 @@ contains
          end do
       end if
       if (all(side(old) /= separator)) side(last) = separator
-      n_before = count(side(old) == before)
-      n_beyond = count(side(old) == beyond)
-      next = [1, n_before + 1, n_before + n_beyond + 1]
-      do i = 1, size(old)
-         k = side(old(i))
-         domain(next(k)) = old(i)
-         next(k) = next(k) + 1
-      end do
-      side(old) = 0
-   end subroutine split
+   end subroutine mark_sides
 
    !> Whether a supervariable is coupled to one on a given side.
    pure logical function couples(graph, side, item, with)
@@ -179,32 +230,46 @@ contains
 
    !> Cuts a set of positions at the median of the coordinate with the largest range.
    pure subroutine cut_places(place, is_before)
-      real(dp), intent(in) :: place(:, :) !! the places (2, n) [L]
+      real(dp), intent(in) :: place(:, :) !! the places (n_dim, n) [L]
       logical, allocatable, intent(out) :: is_before(:) !! whether each lies before the cut; none at one place (n)
-      real(dp) :: extent(2), cut
+      real(dp) :: extent(size(place, 1))
       integer :: k, across
 
       allocate (is_before(size(place, 2)), source=.false.)
       if (size(place, 2) == 0) return
-      extent = [(maxval(place(k, :)) - minval(place(k, :)), k=1, 2)]
-      across = merge(2, 1, extent(2) > (1.0_dp + computed_rounding)*extent(1))
-      if (.not. extent(across) > 0.0_dp) return
-      cut = median(place(across, :))
-      ! A little before the median, so that rounding errors do not divide a row of places on one line.
-      is_before = place(across, :) < cut - computed_rounding*extent(across)
-      if (.not. any(is_before)) is_before = place(across, :) < cut + computed_rounding*extent(across)
-      if (all(is_before)) is_before = place(across, :) < cut
+      extent = [(maxval(place(k, :)) - minval(place(k, :)), k=1, size(extent))]
+      across = 1
+      do k = 2, size(extent)
+         if (extent(k) > (1.0_dp + computed_rounding)*extent(across)) across = k
+      end do
+      if (extent(across) > 0.0_dp) call cut_across(place(across, :), 0.5_dp, extent(across), is_before)
    end subroutine cut_places
 
-   !> The median of a list of numbers.
-   pure real(dp) function median(numbers)
+   !> Cuts a set of positions where a share of them lies before the cut.
+   pure subroutine cut_across(x, share, extent, is_before)
+      real(dp), intent(in) :: x(:) !! one coordinate of the places (n) [L]
+      real(dp), intent(in) :: share !! the share [-]
+      real(dp), intent(in) :: extent !! the range of the coordinate [L]
+      logical, allocatable, intent(out) :: is_before(:) !! whether each lies before the cut (n)
+      real(dp) :: cut
+
+      cut = quantile(x, share)
+      ! A little before, so that rounding errors do not divide a row of places on one line.
+      is_before = x < cut - computed_rounding*extent
+      if (.not. any(is_before)) is_before = x < cut + computed_rounding*extent
+      if (all(is_before)) is_before = x < cut
+   end subroutine cut_across
+
+   !> The number of a list below which a share of them lies; with half of them the median.
+   pure real(dp) function quantile(numbers, share)
       real(dp), intent(in) :: numbers(:) !! the list, not empty
+      real(dp), intent(in) :: share !! the share [-]
       real(dp), allocatable :: list(:)
       real(dp) :: pivot, item
       integer :: first, last, middle, i, k
 
       allocate (list, source=numbers)
-      middle = (size(list) + 1)/2
+      middle = min(size(list), max(1, int(share*(size(list) + 1))))
       first = 1
       last = size(list)
       do while (first < last)
@@ -229,8 +294,8 @@ contains
          if (k < middle) first = i
          if (i > middle) last = k
       end do
-      median = list(middle)
-   end function median
+      quantile = list(middle)
+   end function quantile
 
    !> Performs the forward substitution of some columns: x_1 := L_11^-1 x_1, x_2 := x_2 - L_21 x_1.
    pure subroutine forward_columns(n_rows, n_columns, l, x)

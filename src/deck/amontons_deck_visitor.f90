@@ -456,8 +456,11 @@ contains
 
       kind = key%noun()
       if (size(values) /= 1) kind = kind//'s'
-      if (size(values) > 1) kind = to_text(size(values))//' '//kind
-      if (key%is_vector) kind = trim(merge('2 or 3', '4 or 9', size(values) < 4))//' numbers'
+      if (key%is_vector) then
+         kind = trim(merge('2 or 3', '4 or 9', size(values) < 4))//' '//kind
+      else if (size(values) > 1) then
+         kind = to_text(size(values))//' '//kind
+      end if
       range = key%range()
       if (index(range, 'at least') == 1) range = ', '//range
       if (index(range, 'above') == 1) range = ' '//range

@@ -31,7 +31,7 @@ module amontons_elasticity
          !! derivatives by the reference coordinates (n_dim, function, point) [-]
       real(dp), allocatable, private :: weight(:) !! weights of the quadrature (points) [-]
       real(dp), allocatable :: thermal_strain(:)
-         !! strain of free thermal expansion at the points, from `set_element_load`; the next element keeps it (points) [-]
+         !! strain of free thermal expansion at the points, from `set_element_load`; the next element keeps it [-]
       real(dp) :: loaded_bubble(3) = 0.0_dp
          !! displacement of the bubble by heat and body forces where the nodes are at rest, from there, too [L]
       real(dp), allocatable :: gradient(:, :, :) !! gradients of the functions (n_dim, function, point) [1/L]
@@ -118,6 +118,7 @@ contains
    ! would be read again at each access.
 
    !> Sets places, gradients and areas at the points of a plane element.
+   ! allow(S902): arrays of explicit shape, whose descriptors nothing reads again
    pure subroutine place_plane(gradient, position, area, derivatives, values, weight, x, n_nodes, n_functions, &
       is_constant, n, n_points)
       integer, intent(in) :: n !! number of functions that there is room for
@@ -409,8 +410,8 @@ contains
    end subroutine solid_stiffness
 
    !> Rows of the stiffness of a function in space: the products of the gradients are summed over the points, and then
-   !> contracted with the law, C_kmln of which stands in row (k, m) and column (l, n). Each mode of a projected dilatation
-   !> adds the bulk modulus as in `find_block`.
+   !> contracted with the law, C_kmln of which stands in row (k, m) and column (l, n). Each mode of a projected
+   !> dilatation adds the bulk modulus as in `find_block`.
    pure subroutine find_solid_rows(rows, geometry, material, law, i)
       real(dp), intent(out) :: rows(:, :) !! the rows; their columns are those of the first functions (3, any) [F/L]
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
@@ -517,6 +518,7 @@ contains
    end subroutine find_block
 
    !> Sums the products of the gradients of two functions over the points of a plane element.
+   ! allow(S902): as above
    pure subroutine sum_products(xx, xy, yx, yy, gradient, volume, i, j, n, n_points)
       real(dp), intent(out) :: xx !! sum of volume times d_x N_i d_x N_j [L]
       real(dp), intent(out) :: xy !! of volume times d_x N_i d_y N_j [L]
@@ -545,6 +547,7 @@ contains
    end subroutine sum_products
 
    !> Adds the contribution of the hoop strain u_r / r to the stiffness between two nodes.
+   ! allow(S902): as above
    pure subroutine add_hoop_stiffness(block, law, gradient, functions, volume, i, j, n, n_points)
       integer, intent(in) :: i !! node of the rows
       integer, intent(in) :: j !! node of the columns
@@ -592,8 +595,8 @@ contains
       end do
    end subroutine find_elastic_strains
 
-   !> Finds the displacements of the nodes of an element and of its bubble; less those of the first node where these are
-   !> a rigid motion: differences are exact where they are small.
+   !> Finds the displacements of the nodes of an element and of its bubble; less those of the first node where these
+   !> are a rigid motion: differences are exact where they are small.
    pure subroutine find_nodal_values(u, n_dim, n_functions, geometry, material, displacement)
       integer, intent(in) :: n_dim !! number of dimensions
       integer, intent(in) :: n_functions !! number of functions of the element
@@ -615,9 +618,9 @@ contains
       end associate
    end subroutine find_nodal_values
 
-   !> Elastic strain at a quadrature point, the total strain less the thermal one, of displacements in the dimensions of
-   !> the mesh. Without thermal strain zz is 0 in the plane, except with a projected dilatation, which is the trace then.
-   !> In plane stress zz is set to 0 [-].
+   !> Elastic strain at a quadrature point, the total strain less the thermal one, of displacements in the dimensions
+   !> of the mesh. Without thermal strain zz is 0 in the plane, except with a projected dilatation, which is the trace
+   !> then. In plane stress zz is set to 0 [-].
    pure function strain_at(geometry, material, u, n_dim, n_functions, point) result(strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material

@@ -1,8 +1,8 @@
 !> Faces of the boundary, in the plane its sides, with one quadrature: loads, foundations, areas and normals are sums
 !> over its points.
 module amontons_face
-   use amontons_element, only: max_nodes, n_fine_points, n_side_points, quad4, quad8, quadrature_point, shape_functions, &
-      side_abscissa, side_shapes, side_weight, tri3, tri6
+   use amontons_element, only: max_nodes, n_fine_points, n_side_points, quad4, quad8, quadrature_point, &
+      shape_functions, side_abscissa, side_shapes, side_weight, tri3, tri6
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t

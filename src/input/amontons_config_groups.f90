@@ -5,7 +5,7 @@ module amontons_config_groups
    use amontons_constraints, only: longest_name, rigid_components, support_t, supported_components
    use amontons_contact_set, only: contact_t, gap_names, line_field_t, multiplier_names, tie_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
-   use amontons_element, only: element_names, n_plane_kinds
+   use amontons_element, only: element_names, is_solid
    use amontons_error, only: error_t
    use amontons_file_model, only: use_loads, use_names, use_supports
    use amontons_generated_mesh, only: diagonal_names
@@ -264,21 +264,25 @@ contains
       end if
    end subroutine describe_problem
 
-   !> Describes one `&mesh`: a rectangle and its cells, or a file.
+   !> Describes one `&mesh`: a rectangle or box and its cells, or a file.
    subroutine describe_mesh(visitor, part)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(mesh_part_t), intent(inout) :: part !! the part of the mesh
-      character(9), parameter :: kind_names(2) = [character(9) :: 'rectangle', 'file']
+      character(9), parameter :: kind_names(3) = [character(9) :: 'rectangle', 'box', 'file']
       character(9) :: kind
-      logical :: is_rectangle, is_stepped, needs_size, is_written
+      character(8) :: element
+      type(key_t) :: size_key, cells_key, element_key
+      logical :: is_file, is_rectangle, is_stepped, needs_size, is_written
 
       call visitor%open_group(mesh_group)
-      kind = kind_names(merge(2, 1, is_filled(part%file) .or. visitor%has('file')))
+      kind = kind_names(merge(3, merge(2, 1, part%is_box), is_filled(part%file) .or. visitor%has('file')))
       call visitor%text(key_t('name', 'of one body among several: its sets are `NAME.left` and so on, and the whole'// &
          ' of it is the region `NAME`', default='none', is_filled=.true., also='label body'), part%name)
       call visitor%word(key_t('kind', 'where the mesh comes from', also='type', &
          default="with a `file` `'file'`, else `'rectangle'`"), kind, kind_names)
       is_rectangle = kind == kind_names(1)
+      part%is_box = kind == kind_names(2)
+      is_file = kind == kind_names(3)
       call visitor%text(key_t('file', "name of the mesh file, seen from the deck's folder", is_file=.true., &
          is_filled=.true., also='filename path'), part%file)
       call visitor%words(key_t('use', 'what the body takes from an Abaqus or CalculiX file besides the mesh', &
@@ -287,32 +291,47 @@ contains
       call visitor%whole(key_t('step', 'of a file with several: the step whose supports and loads are used,'// &
          ' with what it keeps of those before', default='the only one', at_least=1.0_dp), part%step, &
          is_stepped)
-      ! Describes the keys of a rectangle.
-      needs_size = is_rectangle .and. .not. visitor%has('file')
+      ! Describes the keys of a rectangle or box.
+      needs_size = .not. (is_file .or. visitor%has('file'))
+      is_written = .not. is_file
+      size_key = key_t('size', 'of a rectangle: width and height; of a box: lengths along x, y and z', 'L', &
+         above=0.0_dp, is_required=needs_size, is_vector=.true., also='length lengths dimensions')
+      cells_key = key_t('cells', 'number of cells along x, y and, in a box, z', at_least=1.0_dp, &
+         is_required=needs_size, is_vector=.true., also='elements divisions n nx ny h')
+      element_key = key_t('element', 'a quadrilateral, or two triangles in each cell; in a box a hexahedron, `hex8`'// &
+         ' where none is given, or six tetrahedra; linear or quadratic', also='type etype order')
+      if (part%is_box) then
+         call visitor%reals(size_key, part%box%size, is_written)
+         call visitor%wholes(cells_key, part%box%cells, is_written)
+         call visitor%word(element_key, part%box%element, element_names, is_written)
+         element = part%box%element
+      else
+         call visitor%reals(size_key, part%rectangle%size, is_written)
+         call visitor%wholes(cells_key, part%rectangle%cells, is_written)
+         call visitor%word(element_key, part%rectangle%element, element_names, is_written)
+         element = part%rectangle%element
+      end if
       is_written = is_rectangle
-      call visitor%reals(key_t('size', 'of the rectangle: width and height', 'L', above=0.0_dp, &
-         is_required=needs_size, also='length lengths dimensions'), part%rectangle%size, is_written)
-      call visitor%wholes(key_t('cells', 'of the rectangle: number of cells along x and y', at_least=1.0_dp, &
-         is_required=needs_size, also='elements divisions n nx ny h'), part%rectangle%cells, is_written)
-      call visitor%word(key_t('element', 'a quadrilateral, or two triangles in each cell; linear or quadratic', &
-         also='type etype order'), part%rectangle%element, element_names(:n_plane_kinds), is_written)
       call visitor%word(key_t('diagonal', 'how triangles halve a cell: `/`, `\`, or by turns; no effect on'// &
          ' quadrilaterals'), part%rectangle%diagonal, diagonal_names, is_written)
       call visitor%real(key_t('grading', 'height of the top row of cells over that of the bottom row; the rows'// &
          ' between follow a geometric series', above=0.0_dp, also='bias ratio'), part%rectangle%grading, is_written)
-      call visitor%vector(key_t('origin', 'where the lower left corner of the rectangle, or the origin of the file,'// &
-         ' is put', 'L', also='position offset translate'), part%origin)
+      call visitor%vector(key_t('origin', 'where the lower left corner of a rectangle, that of least coordinates of'// &
+         ' a box, or the origin of the file is put', 'L', also='position offset translate'), part%origin)
       call visitor%whole(key_t('refine', 'how often every element is cut in four, curved sides along their curve;'// &
          ' sets and regions follow', at_least=0.0_dp, also='refinement refinements'), part%n_refinements)
       call visitor%close_group()
-      call visitor%locate(trim(merge('cells', 'file ', is_rectangle)), part%place)
+      call visitor%locate(trim(merge('file ', 'cells', is_file)), part%place)
       if (.not. visitor%is_judging()) return
-      call visitor%only('file use step', .not. is_rectangle, "kind = 'file'")
+      call visitor%only('file use step', is_file, "kind = 'file'")
       call visitor%only('step', any(part%is_used([use_supports, use_loads])), "use = 'supports' or 'loads'")
       call visitor%only('use', .not. visitor%has('name'), 'a mesh without a name')
-      call visitor%only('size cells element diagonal grading', is_rectangle, "kind = 'rectangle'")
-      call visitor%state_dimensions(2, 'size')
-      call visitor%require(visitor%has('file') .or. is_rectangle, 'kind', "kind = 'file' needs file = 'MESH'")
+      call visitor%only('size cells element', .not. is_file, "kind = 'rectangle' or 'box'")
+      call visitor%only('diagonal grading', is_rectangle, "kind = 'rectangle'")
+      call visitor%state_dimensions(merge(3, 2, part%is_box), 'size')
+      call visitor%require(is_solid(findloc(element_names == element, .true., dim=1)) .eqv. part%is_box, 'element', &
+         trim(element)//' is no element of a '//trim(kind))
+      call visitor%require(visitor%has('file') .or. .not. is_file, 'kind', "kind = 'file' needs file = 'MESH'")
    end subroutine describe_mesh
 
    !> Describes one `&material`.

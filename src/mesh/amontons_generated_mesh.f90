@@ -65,7 +65,10 @@ contains
       n_most = n_times
       if (present(n_finest)) n_most = max(n_times, n_finest)
       n_nodes = mesh%n_nodes*real(n_parts, dp)**n_most
-      if (n_nodes > most_nodes) then
+      if (n_most > 0 .and. size(mesh%coordinates, 1) > 2) then
+         call new_error(error, input_refused, 'solids cannot be refined yet; make the finer mesh by its own cells, '// &
+            'or in the program that made its file')
+      else if (n_nodes > most_nodes) then
          call new_error(error, input_refused, 'refined '//to_text(n_most)//' times, the mesh has more nodes than '// &
             'node numbers allow (about 134 million)')
       else if (n_most > 0) then

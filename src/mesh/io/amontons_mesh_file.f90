@@ -5,7 +5,7 @@ module amontons_mesh_file
    use amontons_abaqus, only: read_abaqus
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_file_model, only: file_model_t, raw_mesh_t, use_names
-   use amontons_generated_mesh, only: new_rectangle_mesh, rectangle_t, refine_mesh
+   use amontons_generated_mesh, only: box_t, new_box_mesh, new_rectangle_mesh, rectangle_t, refine_mesh
    use amontons_gmsh, only: read_gmsh
    use amontons_input_file, only: input_file_t, new_input_file
    use amontons_kinds, only: dp
@@ -24,6 +24,8 @@ module amontons_mesh_file
       logical :: is_used(size(use_names)) = .false. !! which of `use_names` are read from the file as well
       integer :: step = 0 !! the step whose supports and loads are used; 0 if the file has only one
       type(rectangle_t) :: rectangle !! the rectangle that it is where there is no file
+      logical :: is_box = .false. !! whether it is a box instead
+      type(box_t) :: box !! the box
       real(dp) :: origin(3) = 0.0_dp !! position of the origin of its own coordinates [L]
       integer :: n_refinements = 0 !! number of uniform refinements
       integer :: n_finest = 0 !! that of the finest mesh of a study on several ones, which is checked to be possible
@@ -307,6 +309,8 @@ contains
       notes = ''
       if (len(part%file) > 0) then
          call read_mesh_file(mesh, part%file, notes, error, part%is_used, part%step)
+      else if (part%is_box) then
+         call new_box_mesh(mesh, part%box, error)
       else
          call new_rectangle_mesh(mesh, part%rectangle, error)
       end if
