@@ -329,10 +329,10 @@ contains
       ! integers reach 2^31.
       integer(int64), parameter :: most_nodes = 2_int64**27
       ! The least memory, which is refused before a mesh is made: mesh, stiffness as it is assembled and in the order of
-      ! elimination, and what is computed from its solution (1200 bytes and more); and the factor of nested dissection,
-      ! which has 90 to 120 numbers an unknown on squares of 256 to 1024 cells, and more of them the more cells the
-      ! shorter side has. Half of that leaves room for doubt.
-      real(dp), parameter :: node_bytes = 1000.0_dp, factor_bytes = 96.0_dp
+      ! elimination, and what is computed from its solution (1450 bytes and more, also of a strip, whose nodes are on
+      ! its boundary); and the factor of nested dissection, which has 90 to 120 numbers an unknown on squares of 256 to
+      ! 1024 cells, and more of them the more cells the shorter side has. Half of that leaves room for doubt.
+      real(dp), parameter :: node_bytes = 1450.0_dp, factor_bytes = 96.0_dp
       real(dp) :: n_nodes
       integer :: kind, shape
 
