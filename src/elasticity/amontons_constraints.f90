@@ -2,11 +2,6 @@
 !> as rigid bodies; elastic foundations, which are springs along sides with stiffnesses along normal and tangent; and
 !> the numbers of the unknowns, the free displacement components, with those of chosen nodes last.
 !>
-!> A rigid set moves by `u = (ux - turn (y - y0), uy + turn (x - x0))` about a point, in a twisted body by
-!> `u = (ux, uy, turn x)`: it turns about the axis. The three unknowns belong to two of its nodes, the leading ones: ux
-!> and uy to the first, turn times a length to the second. Any forces on the two with the same resultant do the same
-!> work on every motion.
-!>
 !> Displacements of some nodes are not unknowns themselves: those of the slave of a pair follow from the displacements
 !> of other nodes and from unknowns of their own, u = P y. For most nodes u = y. The own unknown of a corner of a slave
 !> is its relative displacement w, that of a middle node between two corners its deviation from their mean. The own
@@ -20,42 +15,20 @@ module amontons_constraints
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t, on_axis
    use amontons_mesh, only: find_set, mesh_t
-   use amontons_text, only: place_text, to_text
+   use amontons_rigid_set, only: new_rigid_set, rigid_face_t, rigid_set_t
+   use amontons_text, only: place_text
    implicit none (type, external)
    private
 
-   public :: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, new_support, rigid_components, &
-      spring_side_t, substitution_t, support_t, supported_components
+   public :: constraints_t, dof_map_t, new_constraints, new_dof_map, new_foundation, new_support, spring_side_t, &
+      substitution_t, support_t, supported_components
 
-   !> The components of a rigid motion, as a deck writes them.
-   character(4), parameter :: rigid_components(3) = [character(4) :: 'ux', 'uy', 'turn']
-
-   !> A set that moves as a rigid body, and the point of its rotation, for a support or load.
-   type :: rigid_face_t
-      logical :: is_given = .false. !! whether it is
-      logical :: has_point = .false.
-         !! whether the point is given; else it is the middle of the extents of the set along x and y
-      real(dp) :: point(3) = 0.0_dp !! the point [L]
-   end type rigid_face_t
-
-   !> A set that moves as a rigid body.
-   type :: rigid_set_t
-      integer, allocatable :: node(:) !! its nodes
-      integer :: lead(3) = 0 !! the nodes whose own unknowns are ux, uy and turn; the first two are the same
-      integer :: axis(3) = [1, 2, 1] !! which of their own unknowns these are
-      real(dp) :: point(2) = 0.0_dp !! the point that displacements and moment are counted about [L]
-      real(dp) :: place(2, 2) = 0.0_dp !! coordinates of the leading nodes [L]
-      real(dp) :: length = 0.0_dp
-         !! the length that scales the turn: their distance, in a twisted body the radius of the second [L]
-   contains
-      procedure :: displacement => rigid_set_displacement
-      procedure :: own_unknowns => rigid_set_own_unknowns
-      procedure :: lead_forces => rigid_set_lead_forces
-   end type rigid_set_t
-
-   !> The components of a displacement that a support may prescribe: x, y, outward normal, tangent, around
-   !> the axis, and the angle of a rotation about it.
-   character(6), parameter :: supported_components(*) = [character(6) :: 'ux', 'uy', 'un', 'ut', 'utheta', 'turn']
+   !> The components of a displacement that a support may prescribe: x, y, z, outward normal, tangent (in space all
+   !> tangents), around the axis, and the angle of a rotation about it.
+   character(6), parameter :: supported_components(*) = [character(6) :: 'ux', 'uy', 'uz', 'un', 'ut', 'utheta', 'turn']
+   !> Their indices; the first ones are the coordinates.
+   integer, parameter, public :: along_normal = 4, along_tangent = 5, by_turn = 7
+   integer, parameter :: along_z = 3, around_axis = 6
 
    !> A prescribed displacement or an elastic foundation of a boundary set, or a prescribed displacement of the node at
    !> a point.
@@ -67,8 +40,8 @@ module amontons_constraints
       real(dp) :: displacement(size(supported_components)) = 0.0_dp !! their values; that of a turn an angle [L], [rad]
       real(dp) :: spring(2) = 0.0_dp !! stress per displacement along normal and tangent of the set [F/L^3]
       type(rigid_face_t) :: rigid
-         !! whether sets, separated by commas in `set`, move as one rigid body; the first three components are those
-         !! of `rigid_components` then
+         !! whether sets, separated by commas in `set`, move as one rigid body; the first components are those of
+         !! `rigid_components` then
       logical :: is_jump = .false. !! whether the first component is the jump of the preload of the same name
       real(dp) :: lock_time = huge(1.0_dp)
          !! of a rigid set or preload: time of a history from which on its free motions are locked [-]
@@ -154,106 +127,6 @@ module amontons_constraints
 
 contains
 
-   !> Finds the nodes of one or several boundary or node sets.
-   subroutine new_rigid_set(rigid, mesh, names, face, n_components, error)
-      type(rigid_set_t), intent(out) :: rigid !! the set
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      character(*), intent(in) :: names !! names of the sets, separated by commas
-      type(rigid_face_t), intent(in) :: face !! the point
-      integer, intent(in) :: n_components !! number of components of a displacement, 3 in a twisted body
-      type(error_t), allocatable, intent(out) :: error !! no such set, an empty name, one twice, or one node only
-      character(:), allocatable :: name, seen
-      integer, allocatable :: sides(:, :)
-      logical :: is_met(0:mesh%n_nodes)
-      integer :: first, last, set, i
-
-      is_met = .false.
-      first = 1
-      seen = ','
-      do while (first <= len(names) + 1)
-         last = index(names(first:)//',', ',') + first - 2
-         name = trim(adjustl(names(first:last)))
-         if (len(name) == 0 .or. index(seen, ','//name//',') > 0) call new_error(error, input_refused, &
-            "set = '"//names//"' has a name that is empty or stands twice")
-         if (allocated(error)) return
-         seen = seen//name//','
-         set = find_set(mesh%node_sets, name)
-         if (set > 0) is_met(mesh%node_sets(set)%node) = .true.
-         if (set == 0 .or. find_set(mesh%sets, name) > 0) then
-            call mesh%set_sides(name, sides, error)
-            if (allocated(error)) return
-            do i = 1, size(sides, 2)
-               is_met(sides(:3, i)) = .true.
-            end do
-         end if
-         first = last + 2
-      end do
-      rigid%node = pack([(i, i=1, mesh%n_nodes)], is_met(1:))
-      if (size(rigid%node) < 2) then
-         call new_error(error, input_refused, "the rigid set '"//names//"' needs two nodes or more")
-         return
-      end if
-      associate (x => mesh%coordinates(:, rigid%node))
-         i = maxloc(merge(x(1, :), hypot(x(1, :) - x(1, 1), x(2, :) - x(2, 1)), n_components > 2), dim=1)
-         rigid%lead = rigid%node([merge(2, 1, i == 1), merge(2, 1, i == 1), i])
-         rigid%axis(3) = 2*n_components - 3
-         rigid%point = 0.5_dp*(minval(x, dim=2) + maxval(x, dim=2))
-      end associate
-      if (face%has_point) rigid%point = face%point(:2)
-      rigid%place = mesh%coordinates(:, rigid%lead(2:))
-      rigid%length = merge(rigid%place(1, 2), norm2(rigid%place(:, 2) - rigid%place(:, 1)), n_components > 2)
-   end subroutine new_rigid_set
-
-   !> The matrix of a node's displacement in terms of the own unknowns of the leading nodes
-   !> (components, components, leading node) [-].
-   pure function rigid_set_displacement(self, place) result(block)
-      class(rigid_set_t), intent(in) :: self !! the set
-      real(dp), intent(in) :: place(2) !! coordinates of the node [L]
-      real(dp) :: block(max(2, self%axis(3)), max(2, self%axis(3)), 2)
-
-      block = 0.0_dp
-      block(1, 1, 1) = 1.0_dp
-      block(2, 2, 1) = 1.0_dp
-      block(3:, 3:, 2) = place(1)/self%length
-      if (self%axis(3) == 1) block(:, 1, 2) = [self%point(2) - place(2), place(1) - self%point(1)]/self%length
-   end function rigid_set_displacement
-
-   !> The own unknowns of the leading nodes in a rigid motion (components, 2) [L].
-   pure function rigid_set_own_unknowns(self, moved) result(own)
-      class(rigid_set_t), intent(in) :: self !! the set
-      real(dp), intent(in) :: moved(:, :) !! displacements of the leading nodes (components, 2) [L]
-      real(dp) :: own(size(moved, 1), 2), block(size(moved, 1), size(moved, 1), 2)
-
-      own(:, 1) = moved(:, 1)
-      own(:, 2) = 0.0_dp
-      if (self%axis(3) > 1) then
-         own(3, :) = [0.0_dp, moved(3, 2)]
-      else
-         own(1, 2) = dot_product([self%place(2, 1) - self%place(2, 2), self%place(1, 2) - self%place(1, 1)], &
-            moved(:, 2) - moved(:, 1))/self%length
-         block = self%displacement(self%place(:, 1))
-         own(:, 1) = moved(:, 1) - block(:, 1, 2)*own(1, 2)
-      end if
-   end function rigid_set_own_unknowns
-
-   !> Forces on the leading nodes with a given resultant (components, 2) [F].
-   pure function rigid_set_lead_forces(self, resultant) result(forces)
-      class(rigid_set_t), intent(in) :: self !! the set
-      real(dp), intent(in) :: resultant(3) !! force along x and y, moment about the point or the axis [F, F L]
-      real(dp) :: forces(max(2, self%axis(3)), 2)
-      real(dp) :: arm(2), moment
-
-      forces = 0.0_dp
-      forces(:2, 1) = resultant(:2)
-      forces(3:, 2) = resultant(3)/self%length
-      if (self%axis(3) > 1) return
-      arm = self%point - self%place(:, 1)
-      moment = resultant(3) + arm(1)*resultant(2) - arm(2)*resultant(1)
-      arm = self%place(:, 2) - self%place(:, 1)
-      forces(:, 2) = moment/self%length**2*[-arm(2), arm(1)]
-      forces(:, 1) = forces(:, 1) - forces(:, 2)
-   end function rigid_set_lead_forces
-
    !> Makes a support of a boundary set, without held components yet.
    pure subroutine new_support(support, set)
       type(support_t), intent(out) :: support !! the support
@@ -297,7 +170,8 @@ contains
             if (is_done) call hold_nodes(constraints, prescribed, mesh, &
                [mesh%nearest_node(support%point(:size(mesh%coordinates, 1)))], support, i, error)
             set = find_set(mesh%node_sets, support%set)
-            if (set > 0 .and. .not. any(support%is_held(3:4)) .and. any(support%is_held)) then
+            if (set > 0 .and. .not. any(support%is_held(along_normal:along_tangent)) .and. &
+               any(support%is_held)) then
                call hold_nodes(constraints, prescribed, mesh, mesh%node_sets(set)%node, support, i, error)
                ! Where it covers sides, they are held as a whole: a refined mesh has more nodes on them.
                is_done = allocated(error) .or. find_set(mesh%sets, support%set) == 0
@@ -352,7 +226,6 @@ contains
       integer, intent(in) :: number !! its number
       type(error_t), allocatable, intent(out) :: error !! a set is missing, or has a node of another rigid one
       type(rigid_set_t) :: rigid
-      real(dp) :: motion(3)
       integer :: shared, k
 
       call new_rigid_set(rigid, mesh, support%set, support%rigid, size(prescribed, 1), error)
@@ -366,11 +239,13 @@ contains
       end if
       if (allocated(error)) error%message = support%origin//error%message
       if (allocated(error)) return
-      motion = merge(support%displacement(:3), 0.0_dp, support%is_held(:3))
       constraints%is_free(:, rigid%node) = .false.
-      do k = 1, 3
-         constraints%is_free(rigid%axis(k), rigid%lead(k)) = .not. support%is_held(k)
-         prescribed(rigid%axis(k), rigid%lead(k)) = motion(k)*merge(rigid%length, 1.0_dp, k == 3)
+      do k = 1, size(rigid%component)
+         associate (component => rigid%component(k))
+            constraints%is_free(rigid%axis(k), rigid%lead(k)) = .not. support%is_held(component)
+            prescribed(rigid%axis(k), rigid%lead(k)) = merge(support%displacement(component), 0.0_dp, &
+               support%is_held(component))*merge(rigid%length, 1.0_dp, component > 3)
+         end associate
       end do
       constraints%rigid = [constraints%rigid, rigid]
       constraints%rigid_of(rigid%node) = size(constraints%rigid)
@@ -390,11 +265,12 @@ contains
 
       associate (rigid => constraints%rigid(constraints%rigid_of(node)))
          block = rigid%displacement(mesh%coordinates(:, node))
-         moved = matmul(block(:, :, 1), prescribed(:, rigid%lead(1))) &
-            + matmul(block(:, :, 2), prescribed(:, rigid%lead(3)))
+         moved = matmul(block(:, :, 1), prescribed(:, rigid%carrier(1))) &
+            + matmul(block(:, :, 2), prescribed(:, rigid%carrier(2)))
          if (constraints%rigid_moves(node, direction)) then
             call new_error(error, input_refused, 'the support holds the node at '// &
-               place_text(mesh%coordinates(:, node))//' of a rigid set; prescribe ux, uy or turn of the &rigid instead')
+               place_text(mesh%coordinates(:, node))//' of a rigid set; prescribe ux, uy or '// &
+               'turn of the &rigid instead')
          else if (abs(dot_product(direction, moved) - displacement) > negligible*(abs(displacement) &
             + norm2(moved))) then
             call new_error(error, input_refused, 'the support contradicts the motion of the rigid set at the node '// &
@@ -416,7 +292,7 @@ contains
          block = rigid%displacement(self%place(:, node))
          block = block(:size(direction), :, :)
          moves = any(abs([matmul(direction, block(:, :, 1)), matmul(direction, block(:, :, 2))]) > negligible &
-            .and. [self%is_free(:, rigid%lead(1)), self%is_free(:, rigid%lead(3))])
+            .and. [self%is_free(:, rigid%carrier(1)), self%is_free(:, rigid%carrier(2))])
       end associate
    end function constraints_rigid_moves
 
@@ -425,20 +301,37 @@ contains
       class(constraints_t), intent(in) :: self !! the constraints
       real(dp), intent(inout) :: forces(:, :)
          !! forces on the nodes' own unknowns; of rigid sets on return forces on nodes (components, n_nodes) [F]
-      integer :: i
+      integer :: i, k
 
       do i = 1, size(self%rigid)
          associate (rigid => self%rigid(i))
-            forces(:, rigid%lead(2:)) = rigid%lead_forces([forces(:2, rigid%lead(1)), &
-               forces(rigid%axis(3), rigid%lead(3))*rigid%length])
+            forces(:, rigid%carrier) = rigid%carrier_forces([(forces(rigid%axis(k), rigid%lead(k)) &
+               *merge(rigid%length, 1.0_dp, rigid%component(k) > 3), k=1, size(rigid%axis))])
          end associate
       end do
    end subroutine constraints_spread_resultants
 
+   !> Refuses components that a body has not.
+   pure subroutine check_components(support, n_dim, is_twisted, error)
+      type(support_t), intent(in) :: support !! the support
+      integer, intent(in) :: n_dim !! number of dimensions
+      logical, intent(in) :: is_twisted !! whether the body is twisted
+      type(error_t), allocatable, intent(out) :: error !! it prescribes such a component
+
+      if (any(support%is_held(around_axis:)) .and. .not. is_twisted) then
+         call new_error(error, input_refused, 'utheta and turn need twist = .true. in &material')
+      else if (support%is_held(along_z) .and. n_dim == 2) then
+         call new_error(error, input_refused, 'uz needs a solid')
+      else if (support%is_held(along_tangent) .and. n_dim == 3 .and. &
+         abs(support%displacement(along_tangent)) > 0.0_dp) then
+         call new_error(error, input_refused, 'ut of a solid must be 0: it has no direction; give ux, uy and uz')
+      end if
+   end subroutine check_components
+
    !> Holds the prescribed components of nodes.
    subroutine hold_nodes(constraints, prescribed, mesh, nodes, support, number, error, normal)
       type(constraints_t), intent(inout) :: constraints !! the constraints
-      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (2, n_nodes) [L]
+      real(dp), intent(inout) :: prescribed(:, :) !! prescribed displacements (components, n_nodes) [L]
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: nodes(:) !! the nodes; 0 for none at the point of the support
       type(support_t), intent(in) :: support !! the support
@@ -446,30 +339,34 @@ contains
       type(error_t), allocatable, intent(out) :: error !! no node, or the supports contradict each other at one
       real(dp), intent(in), optional :: normal(:, :)
          !! outward normal at each; without it normal and tangential components do not exist (n_dim, nodes) [-]
-      real(dp) :: direction(size(prescribed, 1), size(supported_components)), displacement
-      real(dp) :: frame(size(prescribed, 1), size(prescribed, 1))
-      logical :: is_consistent
-      integer :: component, i
+      ! Behind the components the second tangent in space.
+      real(dp) :: direction(size(prescribed, 1), size(supported_components) + 1), displacement
+      real(dp) :: frame(size(prescribed, 1), size(prescribed, 1)), given(size(supported_components) + 1)
+      logical :: is_held(size(given)), is_consistent
+      integer :: component, i, n_dim
 
+      n_dim = size(mesh%coordinates, 1)
+      given = [support%displacement, 0.0_dp]
+      is_held = [support%is_held, n_dim == 3 .and. support%is_held(along_tangent)]
+      call check_components(support, n_dim, constraints%is_twisted(), error)
       if (any(nodes == 0)) then
-         call new_error(error, input_refused, 'no node at the point '//place_text( &
-            support%point(:size(mesh%coordinates, 1))))
-      else if (any(support%is_held(5:)) .and. .not. constraints%is_twisted()) then
-         call new_error(error, input_refused, 'utheta and turn need twist = .true. in &material')
+         call new_error(error, input_refused, 'no node at the point '//place_text(support%point(:n_dim)))
       end if
       if (allocated(error)) return
       direction = 0.0_dp
-      direction(1, 1) = 1.0_dp
-      direction(2, 2) = 1.0_dp
-      direction(3:, 5:) = 1.0_dp
+      do i = 1, n_dim
+         direction(i, i) = 1.0_dp
+      end do
+      direction(n_dim + 1:, around_axis:by_turn) = 1.0_dp
       do i = 1, size(nodes)
          if (present(normal)) frame = new_frame(normal(:, i), size(frame, 1))
-         if (present(normal)) direction(:, 3:4) = frame(:, :2)
-         do component = 1, size(support%is_held)
-            if (.not. support%is_held(component)) cycle
-            displacement = support%displacement(component)
-            if (component == 6) displacement = displacement*mesh%coordinates(1, nodes(i))
-            if (component > 4) then
+         if (present(normal)) direction(:, along_normal:along_tangent) = frame(:, :2)
+         if (present(normal) .and. n_dim == 3) direction(:, size(is_held)) = frame(:, 3)
+         do component = 1, size(is_held)
+            if (.not. is_held(component)) cycle
+            displacement = given(component)
+            if (component == by_turn) displacement = displacement*mesh%coordinates(1, nodes(i))
+            if (any(component == [around_axis, by_turn])) then
                ! On the axis the displacement around it is 0, whether or not a support holds it.
                if (constraints%holder(3, nodes(i)) == 0 .and. .not. constraints%is_free(3, nodes(i))) cycle
             end if
@@ -483,11 +380,9 @@ contains
                is_consistent)
             if (.not. is_consistent) exit
          end do
-         if (component > size(support%is_held)) cycle
-         associate (position => mesh%coordinates(:, nodes(i)))
-            call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
-               to_text(position(1))//', '//to_text(position(2)))
-         end associate
+         if (component > size(is_held)) cycle
+         call new_error(error, input_refused, 'the support contradicts an earlier one at the node '// &
+            place_text(mesh%coordinates(:, nodes(i))))
          return
       end do
    end subroutine hold_nodes

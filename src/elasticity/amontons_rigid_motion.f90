@@ -2,7 +2,7 @@
 module amontons_rigid_motion
    use amontons_cone, only: null_vectors
    use amontons_constraints, only: constraints_t, spring_side_t
-   use amontons_dense, only: symmetric_eigenvectors
+   use amontons_dense, only: symmetric_eigenvectors, vector_product
    use amontons_element, only: n_corners
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
@@ -15,15 +15,17 @@ module amontons_rigid_motion
    public :: displacement_of_nodes, largest_motion, new_rigid_motions, orthonormal_modes, resting_motions, &
       rigid_motions_t
 
-   !> The free rigid motions of a piece: combinations of the translations and the rotation about its middle (in a
+   !> The free rigid motions of a piece: combinations of the translations and the rotations about its middle (in a
    !> twisted body about the axis) and, where joints divide it into parts, of the motions of these parts relative to
    !> each other. A joint is a free jump, along which a part translates, or a hinge, about which it turns: a node of
-   !> elements that share no side there.
+   !> elements that share no side there. Hinges are looked for in the plane alone: elements of a solid hold together by
+   !> what they share, and the factorization notices those that turn about a node or an edge.
    type :: rigid_motions_t
-      integer :: n_free = 0 !! number of independent free motions, 0 to 3, and one more for each joint
+      integer :: n_free = 0 !! number of independent free motions, at most n_motions and one more for each joint
+      integer :: n_motions = 3 !! number of translations and rotations: 3, in space 6
       real(dp), allocatable :: mode(:, :)
-         !! translation x, translation y, rotation and joints of each free motion (3 + joints, n_free)
-      real(dp) :: center(2) = 0.0_dp !! the middle of the piece [L]
+         !! translations, rotations and joints of each free motion (n_motions + joints, n_free)
+      real(dp), allocatable :: center(:) !! the middle of the piece (n_dim) [L]
       real(dp) :: radius = 1.0_dp !! half the piece's diagonal, the length that scales rotations [L]
       integer, allocatable :: node(:) !! the nodes of the piece, ascending
       logical :: is_whole = .true. !! whether the piece is the whole body
@@ -65,7 +67,8 @@ contains
       integer :: info, k, n_parts, n_pieces, p
 
       ! Around an axis elements that share a node alone resist that the angle between them changes.
-      call part_at_hinges(parted, links, mesh, outer(:merge(0, size(outer), is_axisymmetric)), bonds, size(jumps, 2))
+      call part_at_hinges(parted, links, mesh, outer(:merge(0, size(outer), is_axisymmetric .or. &
+         size(mesh%coordinates, 1) == 3)), bonds, size(jumps, 2))
       call number_pieces(parted, piece, n_pieces, links(:2, :))
       call fill_bins(start, node, piece(:mesh%n_nodes), n_pieces)
       is_joint = links(3, :) > 0
@@ -82,6 +85,7 @@ contains
          associate (lowest => minval(mesh%coordinates(:, motions(p)%node), dim=2), &
             highest => maxval(mesh%coordinates(:, motions(p)%node), dim=2))
             motions(p)%center = 0.5_dp*(lowest + highest)
+            motions(p)%n_motions = merge(6, 3, size(lowest) == 3)
             motions(p)%radius = 0.5_dp*norm2(highest - lowest)
          end associate
          is_joint = piece(links(1, :)) == p
@@ -104,7 +108,7 @@ contains
 
    !> Adds the directions in which supports and springs hold a piece to their Gram matrix.
    pure subroutine add_held_directions(gram, motions, is_here, coordinates, constraints, springs)
-      real(dp), intent(inout) :: gram(:, :) !! Gram matrix of the directions held (3 + joints, 3 + joints)
+      real(dp), intent(inout) :: gram(:, :) !! Gram matrix of the directions held (motions, motions)
       type(rigid_motions_t), intent(in) :: motions !! the piece
       logical, intent(in) :: is_here(:) !! whether each node belongs to it (n_nodes)
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
@@ -132,12 +136,16 @@ contains
          associate (rigid => constraints%rigid(i))
             if (.not. is_here(rigid%node(1))) cycle
             if (allocated(motion)) deallocate (motion)
-            allocate (motion(3, n), source=0.0_dp)
+            allocate (motion(motions%n_motions, n), source=0.0_dp)
             unit = motions%unit_motions(rigid%point, rigid%node(1))
-            motion(:2, :) = unit(:2, :)
-            motion(3, 3) = rigid%length/motions%radius
-            if (n > 3) motion(3, 4:) = motion(3, 3)*motions%way(3, :, motions%part(rigid%node(1)))
-            do axis = 1, 3
+            k = size(rigid%point)
+            motion(:k, :) = unit(:k, :)
+            do k = k + 1, motions%n_motions
+               motion(k, k) = rigid%length/motions%radius
+            end do
+            if (n > 3 .and. motions%n_motions == 3) motion(3, 4:) = motion(3, 3) &
+               *motions%way(3, :, motions%part(rigid%node(1)))
+            do axis = 1, motions%n_motions
                if (constraints%is_free(rigid%axis(axis), rigid%lead(axis))) cycle
                gram = gram + spread(motion(axis, :), 1, n)*spread(motion(axis, :), 2, n)
             end do
@@ -233,7 +241,7 @@ contains
    !> others, the parts turn together in these, or not at all.
    subroutine divide_piece(motions, gram, part, coordinates, links, jumps)
       type(rigid_motions_t), intent(inout) :: motions !! the piece; gains the parts
-      real(dp), allocatable, intent(out) :: gram(:, :) !! Gram matrix of the directions held (3 + joints, 3 + joints)
+      real(dp), allocatable, intent(out) :: gram(:, :) !! Gram matrix of the directions held (motions, motions)
       integer, intent(in) :: part(:) !! the part that each node belongs to
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       integer, intent(in) :: links(:, :) !! pairs of nodes of the piece, and number of the joint between them (3, links)
@@ -251,7 +259,9 @@ contains
       end do
       motions%n_joints = size(number)
       motions%n_jumps = count(number <= size(jumps, 2))
-      allocate (gram(3 + size(number), 3 + size(number)), source=0.0_dp)
+      associate (n => motions%n_motions + size(number))
+         allocate (gram(n, n), source=0.0_dp)
+      end associate
       if (size(number) == 0) return
       motions%part = part(:size(coordinates, 2))
       allocate (motions%joint(2, size(number)), motions%way(3, size(number), maxval(part)), source=0.0_dp)
@@ -316,18 +326,23 @@ contains
 
    end subroutine divide_piece
 
-   !> Displacement of a point under the two translations, the rotation and the joints (components, 3 + joints) [-].
+   !> Displacement of a point under the translations, the rotations and the joints (components, n_motions + joints) [-].
    pure function rigid_motions_unit_motions(self, point, node) result(displacement)
       class(rigid_motions_t), intent(in) :: self !! center, radius and parts
-      real(dp), intent(in) :: point(2) !! coordinates [L]
+      real(dp), intent(in) :: point(:) !! coordinates (n_dim) [L]
       integer, intent(in) :: node !! the node that moves with it
-      real(dp) :: displacement(self%n_components, 3 + self%n_joints)
+      real(dp) :: displacement(self%n_components, self%n_motions + self%n_joints)
       integer :: k
 
       displacement = 0.0_dp
-      displacement(1, 1) = 1.0_dp
-      displacement(2, 2) = 1.0_dp
-      if (self%n_components == 2) then
+      do k = 1, size(point)
+         displacement(k, k) = 1.0_dp
+      end do
+      if (size(point) == 3) then
+         do k = 1, 3
+            displacement(:, 3 + k) = vector_product(displacement(:, k), point - self%center)/self%radius
+         end do
+      else if (self%n_components == 2) then
          displacement(:, 3) = [-(point(2) - self%center(2)), point(1) - self%center(1)]/self%radius
       else
          displacement(3, 3) = point(1)/self%radius
@@ -343,7 +358,7 @@ contains
    !> Displacement of a point under each free motion (components, n_free) [-].
    pure function rigid_motions_displacement(self, point, node) result(displacement)
       class(rigid_motions_t), intent(in) :: self !! the free motions
-      real(dp), intent(in) :: point(2) !! coordinates [L]
+      real(dp), intent(in) :: point(:) !! coordinates (n_dim) [L]
       integer, intent(in) :: node !! the node that moves with it
       real(dp) :: displacement(self%n_components, self%n_free)
 
@@ -434,6 +449,13 @@ contains
       is_shown = abs(nint(1.0e4_dp*motion)) > 1
       text = 'the body'
       if (.not. self%is_whole) text = 'the piece around '//place_text(self%center)
+      if (self%n_motions == 6) then
+         text = text//' is free to'
+         if (any(is_shown(:3))) text = text//' translate along '//direction_text(motion(:3))
+         if (all([any(is_shown(:3)), any(is_shown(4:6))])) text = text//' and'
+         if (any(is_shown(4:6))) text = text//' rotate about '//direction_text(motion(4:6))
+         return
+      end if
       if (any(is_shown(4 + self%n_jumps:))) then
          k = maxloc(abs(motion(4 + self%n_jumps:)), dim=1) + self%n_jumps
          text = 'a part of '//text//' is free to turn about the node at '//place_text(self%joint(:, k))// &
@@ -455,6 +477,27 @@ contains
          text = text//' move along the preload on one side of it'
       end if
    end function rigid_motions_describe
+
+   !> A direction in space: the name of its axis or, where it has none, three components.
+   pure function direction_text(direction) result(text)
+      real(dp), intent(in) :: direction(3) !! the direction, of any length
+      character(:), allocatable :: text
+      character(3), parameter :: axes = 'xyz'
+      real(dp) :: scaled(3)
+      integer :: k, largest
+
+      largest = maxloc(abs(direction), dim=1)
+      scaled = direction/abs(direction(largest))
+      if (count(abs(nint(1.0e4_dp*scaled)) > 1) == 1) then
+         text = axes(largest:largest)
+      else
+         text = '('//short(scaled(1))
+         do k = 2, 3
+            text = text//', '//short(scaled(k))
+         end do
+         text = text//')'
+      end if
+   end function direction_text
 
    !> A number rounded to four decimals, for reading.
    pure function short(value) result(text)

@@ -5,10 +5,11 @@ module amontons_config
    use amontons_case_label, only: case_label_t
    use amontons_condensation, only: condensation_names, condensation_options_t
    use amontons_config_groups, only: accuracy_group, accuracy_options_t, add_driven_set, case_group, contact_group, &
-      describe_accuracy, describe_case, describe_contact, describe_load, describe_material, describe_mesh, &
-      describe_output, describe_preload, describe_problem, describe_rigid, describe_support, describe_tie, &
-      driven_set_t, load_group, material_group, mesh_group, output_group, preload_group, problem_group, &
-      reduced_source_t, rigid_group, support_group, tie_group
+      describe_accuracy, describe_case, describe_contact, describe_material, describe_mesh, describe_output, &
+      describe_preload, describe_problem, describe_rigid, describe_support, describe_tie, driven_set_t, &
+      material_group, mesh_group, output_group, preload_group, problem_group, reduced_source_t, rigid_group, &
+      support_group, tie_group
+   use amontons_config_loads, only: describe_load, load_group
    use amontons_constraints, only: support_t
    use amontons_contact_set, only: contact_t, tie_t
    use amontons_deck, only: apply_settings, read_deck, read_deck_text, read_settings, setting_t
@@ -25,6 +26,7 @@ module amontons_config
    use amontons_methods, only: acceleration_names, box_names, local_names, method_names, method_options_t, &
       space_names, variant_names
    use amontons_new_cholesky, only: factorization_names
+   use amontons_rigid_set, only: rigid_components
    use amontons_sweep, only: describe_sweep, sweep_group, sweep_t
    use amontons_system, only: absolute_path
    use amontons_text, only: lower_case, quoted, to_text
@@ -196,7 +198,7 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(config_t), intent(inout) :: config !! the case
       integer :: group, i
-      logical :: has(3)
+      logical :: has(size(rigid_components))
 
       visitor%n_dim = config%n_dim
       call describe_case(visitor, config)
@@ -224,7 +226,8 @@ contains
             if (config%loads(i)%target /= load_on_motion) call describe_load(visitor, config%loads(i))
          end do
          ! A body of revolution moves along its axis and, if it is twisted, turns about it.
-         has = .not. any(config%materials%is_axisymmetric) .or. [.false., .true., any(config%materials%is_twisted)]
+         has = .not. any(config%materials%is_axisymmetric) .or. [.false., .true., .false., .false., .false., &
+            any(config%materials%is_twisted)]
          do i = 1, size(config%rigid_sets)
             associate (set => config%rigid_sets(i))
                call describe_rigid(visitor, set%motion, set%drive, has)

@@ -2,7 +2,7 @@
 !> sets, ties and their obstacles.
 module amontons_config_groups
    use amontons_case_label, only: case_label_t
-   use amontons_constraints, only: longest_name, rigid_components, support_t, supported_components
+   use amontons_constraints, only: along_normal, along_tangent, longest_name, support_t, supported_components
    use amontons_contact_set, only: contact_t, gap_names, line_field_t, multiplier_names, tie_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_element, only: element_names, is_solid
@@ -11,17 +11,17 @@ module amontons_config_groups
    use amontons_generated_mesh, only: diagonal_names
    use amontons_history, only: fretting_names, history_t
    use amontons_kinds, only: dp
-   use amontons_loads, only: load_by_temperature, load_on_motion, load_on_nodes, load_on_region, load_on_sides, &
-      load_t, new_load
+   use amontons_loads, only: load_on_motion, load_t, new_load
    use amontons_material, only: formulation_names, hypothesis_names, material_t
    use amontons_mesh_file, only: mesh_part_t
    use amontons_obstacle, only: obstacle_dimensions, obstacle_names
+   use amontons_rigid_set, only: rigid_components
    use amontons_sweep, only: key_result_names, sweep_t
    use amontons_text, only: counted, to_text
    implicit none (type, external)
    private
 
-   public :: accuracy_options_t, add_driven_set, describe_accuracy, describe_case, describe_contact, describe_load, &
+   public :: accuracy_options_t, add_driven_set, describe_accuracy, describe_case, describe_contact, &
       describe_material, describe_mesh, describe_output, describe_preload, describe_problem, describe_rigid, &
       describe_support, describe_tie, driven_set_t, reduced_source_t
 
@@ -77,22 +77,21 @@ module amontons_config_groups
       type(load_t) :: drive !! the force and the moment that act on it
       type(tie_t) :: tie !! of a preload: the two sides of the cut
    end type driven_set_t
-   !> The group of a load.
-   type(group_t), parameter, public :: load_group = group_t('load', is_repeatable=.true.)
 
    !> Meanings of `supported_components`.
    character(82), parameter :: component_meanings(*) = [character(82) :: &
       'prescribed displacement along x', &
       'prescribed displacement along y', &
+      'prescribed displacement along z, in a solid', &
       'prescribed displacement along the outward normal; with `set` only', &
-      'prescribed displacement along the tangent; with `set` only', &
+      'prescribed displacement along the tangent, in a solid 0; with `set` only', &
       'prescribed displacement around the axis; with `twist = .true.` in `&material` only', &
       'prescribed angle of rotation about the axis, likewise']
    !> Their names in other programs.
-   character(8), parameter :: component_words(*) = [character(8) :: 'u u1 dx', 'v u2 dy', 'u_n', 'u_t', 'u_theta', &
-      'angle']
+   character(8), parameter :: component_words(*) = [character(8) :: 'u u1 dx', 'v u2 dy', 'w u3 dz', 'u_n', 'u_t', &
+      'u_theta', 'angle']
    !> Units of them.
-   character(3), parameter :: component_units(*) = [character(3) :: 'L', 'L', 'L', 'L', 'L', 'rad']
+   character(3), parameter :: component_units(*) = [character(3) :: 'L', 'L', 'L', 'L', 'L', 'L', 'rad']
 
    !> The group of a contact set.
    type(group_t), parameter, public :: contact_group = group_t('contact', is_repeatable=.true.)
@@ -466,9 +465,11 @@ contains
       if (.not. visitor%is_judging()) return
       call visitor%require(visitor%has('set') .neqv. has_point, 'set', '&support needs either set or point')
       call visitor%require(any([support%is_held, has_spring]), '', &
-         '&support needs one of ux, uy, un, ut, utheta, turn, spring_n and spring_t')
-      call visitor%require(.not. (has_point .and. (any(has_spring) .or. any(support%is_held(3:4)))), 'point', &
-         'un, ut, spring_n and spring_t need set: a point has no normal')
+         '&support needs one of ux, uy, uz, un, ut, utheta, turn, spring_n and spring_t')
+      call visitor%require(.not. (has_point .and. any([has_spring, support%is_held(along_normal:along_tangent)])), &
+         'point', 'un, ut, spring_n and spring_t need set: a point has no normal')
+      call visitor%state_dimensions(3, 'uz')
+      call visitor%state_dimensions(2, 'utheta turn')
    end subroutine describe_support
 
    !> Describes one `&rigid`: sets that move as a rigid body.
@@ -476,13 +477,16 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(support_t), intent(inout) :: motion !! the sets, and the prescribed part of their motion
       type(load_t), intent(inout) :: drive !! the force and the moment that act on them
-      logical, intent(in) :: has(3) !! which of the components of `rigid_components` the body has
-      character(*), parameter :: forced(3) = [character(6) :: 'force', 'force', 'moment']
-      character(*), parameter :: meanings(3) = [character(37) :: 'displacement of the point along x', &
-         'displacement of the point along y', 'rotation in radians, counterclockwise']
-      character, parameter :: units(3) = ['L', 'L', ' ']
-      character(25), parameter :: others(3) = [character(25) :: 'u x', 'v y', 'rotation angle theta rz']
-      logical :: has_force, has_moment, is_driven(3)
+      logical, intent(in) :: has(size(rigid_components)) !! which of the components of `rigid_components` the body has
+      character(*), parameter :: forced(size(has)) = [character(6) :: 'force', 'force', 'force', 'moment', 'moment', &
+         'moment']
+      character(*), parameter :: meanings(size(has)) = [character(60) :: 'displacement of the point along x', &
+         'displacement of the point along y', 'displacement of the point along z, in a solid', &
+         'in a solid: rotation about x in radians, right-handed', 'likewise about y', 'likewise about z']
+      character, parameter :: units(size(has)) = ['L', 'L', 'L', ' ', ' ', ' ']
+      character(8), parameter :: others(size(has)) = [character(8) :: 'u x', 'v y', 'w z', 'rx ur1', 'ry ur2', 'rz ur3']
+      logical :: has_force, has_moment, has_turn, is_driven(size(has)), is_missing(size(has))
+      real(dp), allocatable :: moment(:)
       integer :: k
 
       has_force = any(abs(drive%force) > 0.0_dp)
@@ -495,28 +499,48 @@ contains
          " commas: `'left, right'`", is_filled=.true., is_required=.true., also='nset surface', &
          hint="several sets: 'A, B'"), motion%set)
       call visitor%vector(key_t('point', 'what `ux`, `uy` and `moment` are counted about', 'L', &
-         default='the middle of its extents along x and y', also='center node reference'), motion%rigid%point, &
+         default='the middle of its extents along x, y and z', also='center node reference'), motion%rigid%point, &
          motion%rigid%has_point)
+      has_turn = motion%is_held(size(has)) .and. visitor%n_dim < 3
+      if (has_turn) motion%is_held(size(has)) = .false.
+      call visitor%real(key_t('turn', 'in the plane: rotation in radians, counterclockwise', default='free', &
+         is_free=.true., also='rotation angle theta'), motion%displacement(size(has)), has_turn)
       do k = 1, size(rigid_components)
          call visitor%real(key_t(rigid_components(k), meanings(k), units(k), default='free', is_free=.true., &
             also=others(k)), motion%displacement(k), motion%is_held(k))
       end do
+      motion%is_held(size(has)) = motion%is_held(size(has)) .or. has_turn
+      moment = drive%moment
+      if (visitor%n_dim < 3) moment = drive%moment(3:)
       call visitor%vector(key_t('force', 'force on the point', 'F', default='none', &
          also='f fx fy'), drive%force, has_force)
-      call visitor%real(key_t('moment', 'moment about the point, counterclockwise; with `twist` about the axis', &
-         'F L', default='none', also='m torque'), drive%moment(3), has_moment)
+      call visitor%list(key_t('moment', 'moment about the point: one number, counterclockwise, with `twist` about'// &
+         ' the axis; of a solid three', 'F L', default='none', also='m torque'), moment, has_moment)
       call describe_lock(visitor, motion)
       call visitor%close_group()
       call visitor%locate('set', motion%origin)
       motion%rigid%is_given = .true.
       if (.not. visitor%is_judging()) return
-      call check_driven(visitor, motion, all(motion%is_held(:3) .or. .not. has))
-      is_driven = abs([drive%force(:2), drive%moment(3)]) > 0.0_dp
+      call visitor%state_dimensions(2, 'turn')
+      call visitor%state_dimensions(3, 'uz turn_x turn_y turn_z')
+      if (has_moment) then
+         call visitor%require(any(size(moment) == [1, 3]), 'moment', &
+            'moment: expected 1 number or 3, found '//to_text(size(moment)))
+         if (all(size(moment) /= [1, 3])) return
+         call visitor%state_dimensions(merge(2, 3, size(moment) == 1), 'moment', &
+            ' of '//counted(size(moment), 'number'))
+         drive%moment(4 - size(moment):) = moment
+      end if
+      ! Components that the plane has not.
+      is_missing = .not. has .or. ([.false., .false., .true., .true., .true., .false.] .and. visitor%n_dim < 3)
+      call check_driven(visitor, motion, all(motion%is_held(:size(has)) .or. is_missing))
+      is_driven = abs([drive%force, drive%moment]) > 0.0_dp
       do k = 1, size(rigid_components)
          call visitor%require(.not. (motion%is_held(k) .and. is_driven(k)), trim(forced(k)), &
-            trim(rigid_components(k))//' is prescribed: nothing is left for '//trim(forced(k))//' to move')
+            trim(merge('turn  ', rigid_components(k), has_turn .and. k == size(has)))// &
+            ' is prescribed: nothing is left for '//trim(forced(k))//' to move')
       end do
-      is_driven = is_driven .or. (motion%is_held(:3) .and. abs(motion%displacement(:3)) > 0.0_dp)
+      is_driven = is_driven .or. (motion%is_held(:size(has)) .and. abs(motion%displacement(:size(has))) > 0.0_dp)
       call visitor%require(.not. any(is_driven .and. .not. has), 'set', 'a rigid set of a body of revolution moves '// &
          'along the axis only: give uy or the second component of force; with twist turn and moment, too')
    end subroutine describe_rigid
@@ -589,12 +613,12 @@ contains
       type(load_t), allocatable, intent(inout) :: loads(:) !! gains force and moment
       type(tie_t), allocatable, intent(inout) :: ties(:) !! gains the two sides of a preload
       type(driven_set_t), intent(in) :: set !! the rigid set or preload
-      logical, intent(in) :: has(3) !! which of the components of `rigid_components` the body has
+      logical, intent(in) :: has(size(rigid_components)) !! which of the components of `rigid_components` the body has
       type(support_t) :: support
       type(load_t) :: load
 
       support = set%motion
-      if (support%rigid%is_given) support%is_held(:3) = support%is_held(:3) .or. .not. has
+      if (support%rigid%is_given) support%is_held(:size(has)) = support%is_held(:size(has)) .or. .not. has
       call new_load(load, support%set)
       load%name = support%name
       load%origin = support%origin
@@ -605,149 +629,6 @@ contains
       loads = [loads, load]
       if (support%is_jump) ties = [ties, set%tie]
    end subroutine add_driven_set
-
-   !> Describes one `&load`: on the sides of a set, on nodes, on a region, or by temperature.
-   subroutine describe_load(visitor, load)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(load_t), intent(inout) :: load !! the load
-      logical :: has_point, on_nodes, is_given(4)
-      logical :: has_force, has_gravity, has_speed, has_center
-      integer :: material
-
-      on_nodes = load%target == load_on_nodes
-      has_point = on_nodes .and. .not. is_filled(load%set)
-      call visitor%open_group(load_group)
-      call visitor%text(key_t('name', 'by which `&sweep` and `&steps` know it; several loads may share a name', &
-         default='none', is_filled=.true., also='label'), load%name)
-      call visitor%text(key_t('set', 'the boundary set of a traction, pressure or total force; the node set or '// &
-         'boundary set of point forces', is_filled=.true., also='nset surface'), load%set)
-      call visitor%vector(key_t('point', 'coordinates of the node of a `force`', 'L', also='node'), load%point, &
-         has_point)
-      call visitor%text(key_t('region', 'the region of a body force or temperature', default='the whole body', &
-         also='elset'), load%region)
-      call describe_side_load(visitor, load, is_given(load_on_sides))
-      call visitor%vector(key_t('force', 'a force on the node at `point`, or on each node of `set`, which'// &
-         ' adds up: see `total_force`', 'F', also='f fx fy cload'), load%force, on_nodes)
-      is_given(load_on_nodes) = on_nodes
-      ! Describes the keys of forces per volume.
-      has_gravity = any(abs(load%gravity) > 0.0_dp)
-      has_speed = abs(load%angular_speed) > 0.0_dp
-      has_force = load%target == load_on_region .and. (any(abs(load%body_force) > 0.0_dp) .or. &
-         .not. (has_gravity .or. has_speed))
-      has_center = has_speed .and. any(abs(load%center) > 0.0_dp)
-      call visitor%vector(key_t('body_force', 'force per volume, on `region` or on the whole body', 'F/L³', &
-         also='weight'), load%body_force, has_force)
-      call visitor%vector(key_t('gravity', 'acceleration along x, y, z that gives the `density` its weight', 'L/T²', &
-         also='g acceleration grav'), load%gravity, has_gravity)
-      call visitor%real(key_t('angular_speed', 'of a rotation, in radians per time: the centrifugal force on the'// &
-         ' `density`', '1/T', default='none', also='omega spin centrif speed'), load%angular_speed, has_speed)
-      call visitor%vector(key_t('center', 'a point of the axis of rotation; not for a body of revolution', 'L', &
-         default='the origin', also='origin'), load%center, has_center)
-      call visitor%vector(key_t('axis', 'direction of the axis of rotation, of any length; a solid needs it; not'// &
-         ' for a body of revolution', default='normal to the plane', is_nonzero=.true.), load%axis)
-      is_given(load_on_region) = has_force .or. has_gravity .or. has_speed
-      call describe_temperature(visitor, load, is_given(load_by_temperature))
-      call visitor%close_group()
-      load%target = max(load_on_sides, findloc(is_given, .true., dim=1))
-      call visitor%locate('set', load%origin)
-      ! Judges the keys of a `&load` together.
-      if (.not. visitor%is_judging()) return
-      call visitor%require(any(is_given), '', '&load needs traction, pressure, total_force, total_moment, '// &
-         'traction_theta, torque, force, body_force, gravity, angular_speed or temperature')
-      call visitor%require(count(is_given) <= 1, '', &
-         'tractions, pressure, total_force, total_moment and torque, force, body forces, and temperature need a '// &
-         '&load for each')
-      if (count(is_given) /= 1) return
-      call visitor%only('set', load%target <= load_on_nodes, 'traction, pressure, total_force, torque or force')
-      call visitor%only('point', load%target == load_on_nodes, 'force')
-      call visitor%only('region', load%target >= load_on_region, 'body_force, gravity, angular_speed or temperature')
-      call visitor%only('center axis', visitor%has('angular_speed'), 'angular_speed')
-      call visitor%only('about', visitor%has('total_moment'), 'total_moment')
-      call visitor%state_dimensions(2, 'traction_theta torque')
-      call visitor%state_dimensions(3, 'total_moment')
-      call visitor%require(visitor%n_dim < 3 .or. visitor%has('axis') .or. .not. has_speed, 'angular_speed', &
-         'angular_speed of a solid needs the axis of its rotation')
-      call visitor%require(visitor%has('set') .or. load%target /= load_on_sides, '', &
-         'traction, pressure, total_force and torque need set')
-      call visitor%require((visitor%has('set') .neqv. visitor%has('point')) .or. load%target /= load_on_nodes, &
-         'force', 'force needs either set or point')
-      material = 0
-      do while (load%target == load_by_temperature)
-         material = visitor%deck%next_group('material', material)
-         if (material == 0) exit
-         call visitor%require(visitor%deck%has(material, 'expansion'), 'temperature', &
-            'temperature needs the expansion of every &material; 0 for one that does not expand')
-      end do
-   end subroutine describe_load
-
-   !> Describes the keys of a load on sides.
-   subroutine describe_side_load(visitor, load, is_given)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(load_t), intent(inout) :: load !! the load
-      logical, intent(out) :: is_given !! whether it has any of them
-      logical :: has(4), has_total, has_moment, has_twist(2)
-      real(dp) :: slopes(size(load%traction_slope))
-
-      has_total = any(abs(load%total_force) > 0.0_dp)
-      has_moment = any(abs(load%total_moment) > 0.0_dp)
-      has_twist = abs([load%traction_theta, load%torque]) > 0.0_dp
-      slopes = reshape(load%traction_slope, shape(slopes))
-      has = load%target == load_on_sides .and. (.not. any([has_total, has_moment, has_twist]) .or. &
-         any(abs([load%traction, slopes, load%pressure, load%pressure_slope]) > 0.0_dp))
-      call visitor%vector(key_t('traction', 'force per area along x, y and, in a solid, z, at the origin of the'// &
-         ' coordinates', 'F/L²', also='t trac stress shear'), load%traction, has(1))
-      call visitor%vector(key_t('traction_slope', 'its change: of each component along x, then of each along y, and'// &
-         ' in a solid of each along z', 'F/L³'), slopes, has(2))
-      call visitor%real(key_t('pressure', 'force per area against the outward normal, at the origin: a positive one'// &
-         ' presses on the body', 'F/L²', also='p press'), load%pressure, has(3))
-      call visitor%vector(key_t('pressure_slope', 'its change along x, y and z', 'F/L³'), load%pressure_slope, has(4))
-      call visitor%vector(key_t('total_force', 'the resultant of a uniform traction on `set`, in all: over the '// &
-         'thickness, or all around an axis of revolution', 'F', also='resultant total sum'), load%total_force, &
-         has_total)
-      load%traction_slope = reshape(slopes, shape(load%traction_slope))
-      call visitor%reals(key_t('total_moment', 'in a solid: the moment of a traction on `set`, with that of'// &
-         ' `total_force`; the traction is linear', 'F L', default='none', also='mx my mz'), load%total_moment, &
-         has_moment)
-      call visitor%reals(key_t('about', 'the point that `total_moment` is counted about, and that `total_force`'// &
-         ' then goes through', 'L', default='the centroid of `set`'), load%about, load%has_about)
-      call visitor%real(key_t('traction_theta', 'with `twist` in `&material`: force per area around the axis', &
-         'F/L²', default='`0.0`'), load%traction_theta, has_twist(1))
-      call visitor%real(key_t('torque', 'with `twist` in `&material`: moment about the axis of a traction on `set`'// &
-         ' in proportion to the radius, in all', 'F L', default='`0.0`', also='moment mt mz'), load%torque, &
-         has_twist(2))
-      is_given = any([has, has_total, has_moment, has_twist])
-      call visitor%require(.not. (any(has) .and. (has_total .or. has_moment)), &
-         trim(merge('total_force ', 'total_moment', has_total)), &
-         'give either '//trim(merge('total_force ', 'total_moment', has_total))//', or traction and pressure')
-   end subroutine describe_side_load
-
-   !> Describes the keys of a temperature.
-   subroutine describe_temperature(visitor, load, is_given)
-      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(load_t), intent(inout) :: load !! the load
-      logical, intent(out) :: is_given !! whether it has any of them
-      character(*), parameter :: table_key = 'temperature_table'
-      logical :: has_value, has_slope, has_table
-
-      has_table = is_filled(load%temperature_file)
-      has_value = load%target == load_by_temperature .and. .not. has_table
-      has_slope = any(abs(load%temperature_slope) > 0.0_dp)
-      call visitor%real(key_t('temperature', 'above that at which nothing is strained, at the origin; on `region`'// &
-         ' or on the whole body', 'K', also='temp dtemp'), load%temperature, has_value)
-      call visitor%vector(key_t('temperature_slope', 'its change along x, y and z', 'K/L'), load%temperature_slope, &
-         has_slope)
-      call visitor%text(key_t(table_key, 'file with the numbers of nodes, as in the mesh file, and their'// &
-         ' temperatures, instead', is_file=.true., is_filled=.true.), load%temperature_file, has_table)
-      call visitor%table(table_key, load%temperature_file, load%temperature_table)
-      is_given = has_value .or. has_slope .or. has_table
-      if (.not. allocated(load%temperature_table)) return
-      associate (numbers => load%temperature_table(1, :))
-         call visitor%require(all(numbers >= 1.0_dp .and. numbers < huge(1) .and. .not. abs(numbers - anint(numbers)) &
-            > 0.0_dp), table_key, table_key//' must have the number of a node, 1 or above, in each row')
-      end associate
-      call visitor%require(.not. (has_value .or. has_slope), table_key, &
-         'give either temperature and temperature_slope, or temperature_table')
-   end subroutine describe_temperature
 
    !> Describes one `&contact`.
    subroutine describe_contact(visitor, contact)

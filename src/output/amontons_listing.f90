@@ -7,7 +7,7 @@ module amontons_listing
    use amontons_body, only: body_t, find_rigid_modes
    use amontons_case_label, only: case_label_t
    use amontons_certificate, only: certificate_t
-   use amontons_constraints, only: support_t, supported_components
+   use amontons_constraints, only: by_turn, support_t, supported_components
    use amontons_contact_set, only: contact_t, gap_names, line_field_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: column_t, contact_columns, points_text
@@ -268,7 +268,7 @@ contains
       end if
       do k = 1, size(supported_components)
          if (support%is_held(k)) text = text//', '//trim(supported_components(k))//' = '// &
-            with_unit(short_text(support%displacement(k)), units, trim(merge('L  ', 'rad', k < 6)))
+            with_unit(short_text(support%displacement(k)), units, trim(merge('rad', 'L  ', k == by_turn)))
       end do
       if (any(support%spring > 0.0_dp)) text = text//', springs '// &
          with_unit(vector_text(support%spring), units, 'F/L^3')//' along normal and tangent'

@@ -86,7 +86,7 @@ contains
          expected(2, :) = -pressure*y/1000.0_dp
       end associate
       expected = matmul(to, expected)
-      supports(2) = support_on_set('lower.bottom', [3], [0.0_dp])
+      supports(2) = support_on_set('lower.bottom', [4], [0.0_dp])
       ! Not below an end, where two nodes held alike would make a plane of symmetry.
       at = [0.75_dp, 0.0_dp]
       supports(1) = support_at_point(matmul(to, at), [1, 2], matmul(to, [0.3_dp*pressure*at(1), 0.0_dp]/1000.0_dp))

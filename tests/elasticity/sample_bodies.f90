@@ -17,12 +17,12 @@ module sample_bodies
    implicit none (type, external)
    private
 
-   public :: along_normal, along_tangent, along_x, along_y, element_forces, element_stress, make_springs, no_bonds, &
-      no_jumps, no_springs, nodal_reactions, sample_material, sample_materials, solve_body, solve_materials, &
-      springs_on_set, support_at_point, support_on_set, traction_on_set, uniform, weight_of
+   public :: along_normal, along_tangent, along_x, along_y, along_z, element_forces, element_stress, make_springs, &
+      no_bonds, no_jumps, no_springs, nodal_reactions, sample_material, sample_materials, solve_body, &
+      solve_materials, springs_on_set, support_at_point, support_on_set, traction_on_set, uniform, weight_of
 
    !> Components of a support: x, y, outward normal, tangent.
-   integer, parameter :: along_x = 1, along_y = 2, along_normal = 3, along_tangent = 4
+   integer, parameter :: along_x = 1, along_y = 2, along_z = 3, along_normal = 4, along_tangent = 5
    !> The springs of a body without foundation.
    ! allow(incorrect-space-between-brackets): the other rule wants a blank behind ::
    type(spring_side_t), parameter :: no_springs(0) = [spring_side_t :: ]
@@ -92,11 +92,12 @@ contains
 
    !> A material with Young's modulus 1000, Poisson's ratio 0.3 and thickness 2.
    function sample_material(hypothesis) result(material)
-      character(*), intent(in) :: hypothesis !! one of the hypotheses
+      character(*), intent(in) :: hypothesis !! one of the hypotheses, or 'solid'
       type(material_t) :: material
       type(error_t), allocatable :: error
 
-      call new_material(material, 1000.0_dp, 0.3_dp, trim(hypothesis), 2.0_dp, error)
+      call new_material(material, 1000.0_dp, 0.3_dp, trim(hypothesis), merge(1.0_dp, 2.0_dp, hypothesis == 'solid'), &
+         error)
    end function sample_material
 
    !> One material for all elements of a mesh.

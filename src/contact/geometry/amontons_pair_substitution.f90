@@ -78,7 +78,7 @@ contains
       do i = 1, size(constraints%rigid)
          associate (rigid => constraints%rigid(i))
             do node = 1, size(rigid%node)
-               sums(rigid%node(node)) = sum_t(rigid%lead(2:), rigid%displacement(coordinates(:, rigid%node(node))), &
+               sums(rigid%node(node)) = sum_t(rigid%carrier(:2), rigid%displacement(coordinates(:, rigid%node(node))), &
                   [.true., .true.])
             end do
          end associate

@@ -7,7 +7,7 @@ module amontons_body
    use amontons_condenser, only: cholesky_t, condenser_t
    use amontons_conditioning, only: conditioning_text
    use amontons_constraints, only: constraints_t, dof_map_t, longest_name, new_constraints, new_dof_map, &
-      new_foundation, rigid_components, spring_side_t, substitution_t, support_t
+      new_foundation, spring_side_t, substitution_t, support_t
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t, share_parts
    use amontons_contact_set, only: contact_t, tie_t
@@ -27,6 +27,7 @@ module amontons_body
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_motion, only: displacement_of_nodes, largest_motion, new_rigid_motions, orthonormal_modes, &
       resting_motions, rigid_motions_t
+   use amontons_rigid_set, only: rigid_components
    use amontons_rounding, only: sum_rounding
    use amontons_sparse_matrix, only: half_bandwidth, sparse_matrix_t
    use amontons_stress_field, only: forces_of_stress => internal_forces
@@ -355,38 +356,43 @@ contains
    pure subroutine add_rigid_drives(body, supports)
       type(body_t), intent(inout) :: body !! the body; gains the motions
       type(support_t), intent(in) :: supports(:) !! the supports
-      character(7), parameter :: drives(3) = [character(7) :: 'force_x', 'force_y', 'moment']
+      character(8), parameter :: drives(size(rigid_components)) = [character(8) :: 'force_x', 'force_y', 'force_z', &
+         'moment_x', 'moment_y', 'moment_z']
       type(driven_motion_t) :: driven
-      real(dp) :: unit(3)
-      integer :: i, k, number, n
-      logical :: moves(3)
+      real(dp), allocatable :: unit(:)
+      integer :: i, k, last, n, number
+      logical, allocatable :: moves(:)
 
       moves = .not. body%is_axisymmetric .or. [.false., .true., body%materials%is_twisted()]
+      if (size(body%mesh%coordinates, 1) == 3) moves = [(.true., k=1, size(rigid_components))]
       allocate (body%driven(count(moves)*size(body%constraints%rigid)))
       number = 0
-      n = 0
+      last = 0
       do i = 1, size(supports)
          if (.not. supports(i)%rigid%is_given) cycle
          number = number + 1
          associate (rigid => body%constraints%rigid(number))
-            do k = 1, 3
+            do k = 1, size(moves)
                if (.not. moves(k)) cycle
                driven%name = supports(i)%name
                driven%kind = 'rigid'
-               driven%words = [character(16) :: rigid_components(k), drives(k)]
-               driven%dimensions = merge(['   ', 'F L'], ['L  ', 'F  '], k == 3)
                driven%support = i
-               driven%component = k
-               driven%length = merge(rigid%length, 1.0_dp, k == 3)
-               driven%lock_time = merge(huge(1.0_dp), supports(i)%lock_time, supports(i)%is_held(k))
+               driven%component = rigid%component(k)
+               driven%words = [character(16) :: rigid_components(driven%component), drives(driven%component)]
+               ! The plane has one turn.
+               if (size(moves) == 3 .and. k == 3) driven%words = [character(16) :: 'turn', 'moment']
+               driven%dimensions = merge(['   ', 'F L'], ['L  ', 'F  '], driven%component > 3)
+               driven%length = merge(rigid%length, 1.0_dp, driven%component > 3)
+               driven%lock_time = merge(huge(1.0_dp), supports(i)%lock_time, supports(i)%is_held(driven%component))
                driven%lead = rigid%lead(k)
                driven%axis = rigid%axis(k)
-               unit = merge(1.0_dp, 0.0_dp, [1, 2, 3] == k)
                driven%own = merge(driven%length, 0.0_dp, [1, 2, 3] == driven%axis)
-               driven%node = rigid%lead(2:)
-               driven%force = rigid%lead_forces(unit)
-               n = n + 1
-               body%driven(n) = driven
+               driven%node = rigid%carrier
+               unit = [(0.0_dp, n=1, size(moves))]
+               unit(k) = 1.0_dp
+               driven%force = rigid%carrier_forces(unit)
+               last = last + 1
+               body%driven(last) = driven
             end do
          end associate
       end do
@@ -431,13 +437,13 @@ contains
       class(body_t), intent(in) :: self !! the body
       type(load_t), intent(in) :: loads(:) !! the loads
       real(dp), allocatable :: force(:)
-      real(dp) :: given(3)
+      real(dp) :: given(size(rigid_components))
       integer :: i, k
 
       allocate (force(size(self%driven)), source=0.0_dp)
       do i = 1, size(loads)
          if (loads(i)%target /= load_on_motion) cycle
-         given = [loads(i)%force(:2), loads(i)%moment(3)]
+         given = [loads(i)%force, loads(i)%moment]
          do k = 1, size(force)
             if (self%driven(k)%name == loads(i)%name) force(k) = force(k) + given(self%driven(k)%component)
          end do
@@ -562,7 +568,7 @@ contains
       end do
       do i = 1, size(constraints%rigid)
          associate (rigid => constraints%rigid(i))
-            bonds = reshape([bonds, ([rigid%lead(1), rigid%node(k), 0], k=1, size(rigid%node))], &
+            bonds = reshape([bonds, ([rigid%carrier(1), rigid%node(k), 0], k=1, size(rigid%node))], &
                [3, size(bonds, 2) + size(rigid%node)])
          end associate
       end do
@@ -659,7 +665,7 @@ contains
          end do
          do i = 1, size(body%constraints%rigid)
             associate (rigid => body%constraints%rigid(i))
-               own(:, rigid%lead(2:)) = rigid%own_unknowns(moved(:, rigid%lead(2:)))
+               own(:, rigid%carrier(:2)) = rigid%own_unknowns(moved(:, rigid%carrier))
             end associate
          end do
          do i = 1, size(own, 2)
