@@ -17,7 +17,9 @@ MOST_STROKES = 100000
 def surface(contact: dict[str, Any], window: Array) -> Array:
     """The surface of the obstacle of a `&contact`, as far as it may be seen in a window (lower left and upper right
     corner); points (n, 2)."""
-    point, normal = np.array(contact["point"], dtype=float), np.array(contact["normal"], dtype=float)
+    # A deck that states no vector leaves out those of its default.
+    point, normal = (np.array(contact.get(key, default), dtype=float)
+                     for key, default in (("point", (0.0, 0.0)), ("normal", (0.0, 1.0))))
     normal /= np.hypot(*normal)
     corners = np.array([[x, y] for x in window[:, 0] for y in window[:, 1]])
     reach = np.hypot(*(corners - point).T).max()

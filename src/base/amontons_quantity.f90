@@ -18,8 +18,8 @@ module amontons_quantity
       real(dp) :: scale = 0.0_dp !! scale of its rounding errors, if larger than the number itself
       real(dp) :: resolution = 0.0_dp !! share of a side that it is known to: 1 for a length from node to node [-]
       character(9) :: dimension = '' !! its dimension, as `unit_of` takes it
-      logical :: has_place = .false. !! whether it is found at a place
-      real(dp) :: place(2) = 0.0_dp !! the place; in files KEY_x and KEY_y [L]
+      integer :: n_dim = 0 !! number of coordinates of the place that it is found at; 0 without one
+      real(dp) :: place(3) = 0.0_dp !! the place; in files KEY_x, KEY_y and, in space, KEY_z [L]
    end type quantity_t
 
    !> The largest value of a number over cases or steps.
@@ -48,12 +48,13 @@ contains
       character(*), intent(in) :: key !! its name in files
       character(*), intent(in) :: label !! its name in listings
       real(dp), intent(in) :: value !! the number
-      real(dp), intent(in) :: place(2) !! the place [L]
+      real(dp), intent(in) :: place(:) !! the place (n_dim) [L]
       real(dp), intent(in) :: scale !! scale of its rounding errors
       character(*), intent(in) :: dimension !! its dimension
       type(quantity_t) :: quantity
 
-      quantity = quantity_t(key, label, value, scale, dimension=dimension, has_place=.true., place=place)
+      quantity = quantity_t(key, label, value, scale, dimension=dimension, n_dim=size(place))
+      quantity%place(:size(place)) = place
    end function at_place
 
    !> A number over its scale; 0 where the scale is 0.
@@ -69,16 +70,16 @@ contains
    pure function expanded(list) result(all)
       type(quantity_t), intent(in) :: list(:) !! the quantities
       type(quantity_t), allocatable :: all(:)
+      character, parameter :: axes(3) = ['x', 'y', 'z']
       integer :: i, k, n
 
       n = size(list)
-      allocate (all(n + 2*count(list%has_place)))
+      allocate (all(n + sum(list%n_dim)))
       all(:n) = list
       do i = 1, size(list)
-         if (.not. list(i)%has_place) cycle
-         do k = 1, 2
+         do k = 1, list(i)%n_dim
             n = n + 1
-            all(n)%key = trim(list(i)%key)//merge('_x', '_y', k == 1)
+            all(n)%key = trim(list(i)%key)//'_'//axes(k)
             all(n)%value = list(i)%place(k)
          end do
       end do

@@ -1,5 +1,10 @@
 !> Patches of the boundary: the faces and nodes of a set, with normals and areas and, in the plane, their order along
 !> lines.
+!>
+!> In space a corner of quadratic faces has an area of 0, or less, and no normal with the shape functions as they are.
+!> It takes a share a of those of the middle nodes beside it, N_c + a sum N_m, and leaves them (1 - 2 a) N_m: all
+!> functions then have positive integrals, and their sum is 1 as before (Popp, Wohlmuth, Gee, Wall, SIAM Journal on
+!> Scientific Computing 34, 2012).
 module amontons_boundary
    use amontons_element, only: max_face_nodes
    use amontons_error, only: error_t, input_refused, new_error
@@ -13,7 +18,10 @@ module amontons_boundary
    implicit none (type, external)
    private
 
-   public :: new_patch, patch_t
+   public :: corner_share, new_patch, patch_t
+
+   !> The share a of the shape function of a middle node that either corner beside it takes, of their choice [-].
+   real(dp), parameter :: corner_share = 0.2_dp
 
    !> The faces and nodes of a boundary set. In the plane both have the order of lines with the body on the left;
    !> several pieces stand one after the other, open ones first.
@@ -29,7 +37,9 @@ module amontons_boundary
       real(dp), allocatable :: moment(:)
          !! integral of the node's shape function times the square of x (n_nodes) [L^4]
       real(dp), allocatable :: weight(:)
-         !! integral of the node's shape function, in the plane its tributary length (n_nodes) [L]
+         !! integral of the node's shape function over the length, in space over the area (n_nodes) [L], [L^2]
+      integer, allocatable :: ends(:, :)
+         !! in space the places of the corners beside each middle node; 0 for corners and in the plane (2, n_nodes)
       type(line_t), allocatable :: line !! how the nodes follow each other; not allocated in space
    contains
       procedure :: sides => patch_sides
@@ -38,7 +48,7 @@ module amontons_boundary
 contains
 
    !> Collects the faces of a boundary set and computes normals and areas of its nodes.
-   pure subroutine new_patch(patch, mesh, set, error, materials)
+   pure subroutine new_patch(patch, mesh, set, error, materials, taken)
       type(patch_t), intent(out) :: patch !! the patch
       type(mesh_t), intent(in) :: mesh !! the mesh
       character(*), intent(in) :: set !! name of the boundary set
@@ -46,12 +56,18 @@ contains
          !! no such set, more than two sides meet in a node, or two faces fold back on each other
       type(materials_t), intent(in), optional :: materials
          !! materials of the elements, which give the depth; it is 1 without them
+      logical, intent(in), optional :: taken(:)
+         !! which faces of a solid are left out, by `side_number`; none without it
       real(dp) :: length
       integer :: i
 
       call set_faces(patch%faces, mesh, set, error, materials)
       if (allocated(error)) return
-      if (size(mesh%coordinates, 1) == 2) call order_faces(patch%faces, set, mesh%n_nodes, error)
+      if (size(mesh%coordinates, 1) == 2) then
+         call order_faces(patch%faces, set, mesh%n_nodes, error)
+      else if (present(taken)) then
+         patch%faces = pack(patch%faces, .not. taken(patch%faces%number))
+      end if
       if (allocated(error)) return
       call list_nodes(patch, mesh)
       call measure_faces(patch, mesh, materials)
@@ -110,7 +126,7 @@ contains
       type(patch_t), intent(inout) :: patch !! the patch, its faces in order
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, allocatable :: along(:)
-      integer :: place(0:mesh%n_nodes), i, k
+      integer :: place(0:mesh%n_nodes), i, k, n
 
       place = 0
       ! In the plane first corner, middle, second corner.
@@ -128,7 +144,18 @@ contains
          end do
       end do
       patch%node = patch%node(:patch%n_nodes)
-      if (size(mesh%coordinates, 1) > 2) return
+      allocate (patch%ends(2, patch%n_nodes), source=0)
+      if (size(mesh%coordinates, 1) > 2) then
+         do i = 1, size(patch%faces)
+            associate (face => patch%faces(i))
+               n = n_face_corners(face)
+               do k = n + 1, face%n_nodes
+                  patch%ends(:, place(face%node(k))) = place(face%node([k - n, 1 + modulo(k - n, n)]))
+               end do
+            end associate
+         end do
+         return
+      end if
       allocate (patch%line)
       associate (line => patch%line, x => mesh%coordinates(:, patch%node))
          allocate (line%next(patch%n_nodes), source=0)
@@ -154,6 +181,7 @@ contains
       integer :: place(mesh%n_nodes), i, k, p, point
       logical :: is_bare(mesh%n_nodes), is_on_axis(mesh%n_nodes)
       real(dp) :: axial(size(mesh%coordinates, 1), patch%n_nodes)
+      type(face_t) :: face
 
       place = 0
       place(patch%node) = [(i, i=1, patch%n_nodes)]
@@ -164,24 +192,24 @@ contains
       is_on_axis = .false.
       if (present(materials)) is_on_axis = on_axis(mesh, materials)
       do i = 1, size(patch%faces)
-         associate (face => patch%faces(i))
-            do point = 1, size(face%area)
-               do k = 1, face%n_nodes
-                  p = place(face%node(k))
-                  associate (value => face%values(k, point))
-                     patch%weight(p) = patch%weight(p) + value*face%length(point)
-                     patch%area(p) = patch%area(p) + value*face%area(point)
-                     patch%moment(p) = patch%moment(p) + value*face%area(point)*face%position(1, point)**2
-                     if (all(is_on_axis(face%node(:2)))) then
-                        axial(:, p) = axial(:, p) + value*face%outward(:, point)
-                     else
-                        patch%normal(:, p) = patch%normal(:, p) + value*face%outward(:, point)
-                     end if
-                  end associate
-               end do
+         face = patch%faces(i)
+         if (size(axial, 1) > 2) call share_middles(face)
+         do point = 1, size(face%area)
+            do k = 1, face%n_nodes
+               p = place(face%node(k))
+               associate (value => face%values(k, point))
+                  patch%weight(p) = patch%weight(p) + value*face%length(point)
+                  patch%area(p) = patch%area(p) + value*face%area(point)
+                  patch%moment(p) = patch%moment(p) + value*face%area(point)*face%position(1, point)**2
+                  if (all(is_on_axis(face%node(:2)))) then
+                     axial(:, p) = axial(:, p) + value*face%outward(:, point)
+                  else
+                     patch%normal(:, p) = patch%normal(:, p) + value*face%outward(:, point)
+                  end if
+               end associate
             end do
-            if (face%n_nodes > 2) is_bare(face%node(:2)) = is_on_axis(face%node(:2))
-         end associate
+         end do
+         if (face%n_nodes > 2) is_bare(face%node(:2)) = is_on_axis(face%node(:2))
       end do
       ! What has no other side keeps the normal of the axis.
       where (spread(.not. any(abs(patch%normal) > 0.0_dp, dim=1), 1, size(axial, 1))) patch%normal = axial
@@ -191,5 +219,26 @@ contains
       patch%bare_area = merge(patch%area, 0.0_dp, is_bare(patch%node))
       patch%area = patch%area - patch%bare_area
    end subroutine measure_faces
+
+   !> Number of corners of a face in space.
+   pure integer function n_face_corners(face) result(n)
+      type(face_t), intent(in) :: face !! the face
+
+      n = face%n_nodes
+      if (n > 4) n = n/2
+   end function n_face_corners
+
+   !> Gives the corners of a face in space their shares of the shape functions of middle nodes.
+   pure subroutine share_middles(face)
+      type(face_t), intent(inout) :: face !! the face
+      integer :: n
+
+      n = n_face_corners(face)
+      if (n == face%n_nodes) return
+      associate (corners => face%values(:n, :), middles => face%values(n + 1:face%n_nodes, :))
+         corners = corners + corner_share*(middles + cshift(middles, -1, dim=1))
+         middles = (1.0_dp - 2.0_dp*corner_share)*middles
+      end associate
+   end subroutine share_middles
 
 end module amontons_boundary

@@ -9,9 +9,10 @@
 !> element.
 module amontons_constraints
    use amontons_boundary, only: new_patch, patch_t
+   use amontons_dense, only: vector_product
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, set_faces
-   use amontons_frame, only: new_frame
+   use amontons_frame, only: new_frame, new_frames
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t, on_axis
    use amontons_mesh, only: find_set, mesh_t
@@ -71,6 +72,7 @@ module amontons_constraints
    contains
       procedure :: free_projector => constraints_free_projector
       procedure :: held_direction => constraints_held_direction
+      procedure :: contact_frames => constraints_contact_frames
       procedure :: fixed_tangents => constraints_fixed_tangents
       procedure :: is_turned => constraints_is_turned
       procedure :: is_twisted => constraints_is_twisted
@@ -447,6 +449,30 @@ contains
          part(:, node) = matmul(self%frame(:, :, node), share)
       end do
    end function constraints_supported_part
+
+   !> The frames of a surface with given normals at some nodes. Where a support leaves a solid one tangent to slip
+   !> along, it is the first (n_components, n_components, nodes) [-].
+   pure function constraints_contact_frames(self, nodes, normals) result(frames)
+      class(constraints_t), intent(in) :: self !! the constraints
+      integer, intent(in) :: nodes(:) !! the nodes
+      real(dp), intent(in) :: normals(:, :) !! unit normals of the surface there (n_dim, nodes) [-]
+      real(dp) :: frames(size(self%is_free, 1), size(self%is_free, 1), size(nodes)), along(3)
+      integer :: held, i
+
+      frames = new_frames(normals, size(frames, 1))
+      if (size(normals, 1) == 2) return
+      do i = 1, size(nodes)
+         associate (is_free => self%is_free(:, nodes(i)), normal => normals(:, i))
+            if (count(is_free) /= 2) cycle
+            held = findloc(is_free, .false., dim=1)
+            along = vector_product(self%frame(:, held, nodes(i)), normal)
+            ! Held along the normal, the node is no contact point.
+            if (.not. norm2(along) > negligible) cycle
+            frames(:, 2, i) = along/norm2(along)
+            frames(:, 3, i) = vector_product(normal, frames(:, 2, i))
+         end associate
+      end do
+   end function constraints_contact_frames
 
    !> Along which tangents of a surface supports bear the shear at nodes, alone or with their rigid sets: along all but
    !> as many of the first as they leave directions free besides one, which is for the normal; and around the axis if

@@ -16,6 +16,7 @@ module amontons_config_groups
    use amontons_mesh_file, only: mesh_part_t
    use amontons_obstacle, only: obstacle_dimensions, obstacle_names
    use amontons_rigid_set, only: rigid_components
+   use amontons_rounding, only: input_rounding
    use amontons_sweep, only: key_result_names, sweep_t
    use amontons_text, only: counted, to_text
    implicit none (type, external)
@@ -101,20 +102,20 @@ module amontons_config_groups
    type(key_t), parameter :: friction_keys(3) = [ &
       key_t('friction', "Coulomb's coefficient; 0 is frictionless contact", at_least=0.0_dp, &
       also='mu mu_s f cof coefficient'), &
-      key_t('friction_slope', 'change of the coefficient along x and y; `friction` is then its value at the origin', &
-      '1/L'), &
+      key_t('friction_slope', 'change of the coefficient along x, y and z; `friction` is then its value at the'// &
+      ' origin', '1/L'), &
       key_t('friction_table', 'file with the coefficient over the length of the contact line, instead', is_file=.true.)]
    !> Keys of the given bound: its value, slope and table.
    type(key_t), parameter :: bound_keys(3) = [ &
       key_t('slip_bound', 'given bound of the shear stress (Tresca friction)', 'F/L²', at_least=0.0_dp, &
       also='tresca g'), &
-      key_t('slip_bound_slope', 'change of the bound along x and y; `slip_bound` is then its value at the origin', &
+      key_t('slip_bound_slope', 'change of the bound along x, y and z; `slip_bound` is then its value at the origin', &
       'F/L³'), &
       key_t('slip_bound_table', 'file with the bound over the length of the contact line, instead', is_file=.true.)]
    !> Keys of what is added to gaps: its value, slope and table.
    type(key_t), parameter :: gap_keys(3) = [ &
       key_t('extra_gap', 'added to every gap; negative for an interference', 'L', also='clearance interference'), &
-      key_t('gap_slope', 'change of it along x and y, as of a taper; `extra_gap` is then its value at the origin'), &
+      key_t('gap_slope', 'change of it along x, y and z, as of a taper; `extra_gap` is then its value at the origin'), &
       key_t('gap_table', 'file with what is added over the length of the contact line, instead', is_file=.true.)]
 
 contains
@@ -634,7 +635,7 @@ contains
    subroutine describe_contact(visitor, contact)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(contact_t), intent(inout) :: contact !! the contact set
-      logical :: is_pair, has_kind, has_point, has_normal, has_radius
+      logical :: is_pair, has_kind, has_point, has_normal, has_radius, has_axis
       character(len(multiplier_names)) :: multipliers
       logical :: has_gap, has_wear
 
@@ -667,20 +668,25 @@ contains
       has_point = has_kind
       has_normal = has_kind
       call visitor%word(key_t('obstacle', 'the rigid obstacle', also='kind type shape'), contact%obstacle%kind, &
-         pack(obstacle_names, obstacle_dimensions(obstacle_names) /= 3), has_kind)
+         obstacle_names, has_kind)
       has_radius = contact%obstacle%has_radius()
-      call visitor%reals(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
-         'L', also='origin center centre apex'), contact%obstacle%point(:2), has_point)
-      if (.not. any(abs(contact%obstacle%normal) > 0.0_dp)) contact%obstacle%normal(2) = 1.0_dp
-      call visitor%reals(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
-         ' the body', is_nonzero=.true.), contact%obstacle%normal(:2), has_normal)
-      call visitor%real(key_t('radius', 'of a circle or parabola, where it is required: radius of curvature;'// &
-         ' positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., also='r'), &
-            contact%obstacle%radius, has_radius)
+      call visitor%vector(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
+         'L', also='origin center centre apex'), contact%obstacle%point, has_point)
+      associate (normal => contact%obstacle%normal)
+         if (visitor%n_dim > 0 .and. .not. any(abs(normal) > 0.0_dp)) normal(visitor%n_dim) = 1.0_dp
+      end associate
+      call visitor%vector(key_t('normal', "direction of the obstacle's outward normal there, of any length, to"// &
+         ' the body', is_nonzero=.true.), contact%obstacle%normal, has_normal)
+      call visitor%real(key_t('radius', 'of a circle, parabola, sphere, cylinder or paraboloid, where it is'// &
+         ' required: radius of curvature; positive bulges to the body, negative is hollow', 'L', is_nonzero=.true., &
+         also='r'), contact%obstacle%radius, has_radius)
+      has_axis = contact%obstacle%kind == 'cylinder'
+      call visitor%reals(key_t('axis', 'of a cylinder, where it is required: direction of its axis, perpendicular'// &
+         ' to `normal`, of any length', default='none', is_nonzero=.true.), contact%obstacle%axis, has_axis)
       call visitor%text(key_t('line', 'of a polyline, where it is required: file of its points', is_file=.true., &
          is_filled=.true., also='file'), contact%obstacle%file)
       call visitor%table('line', contact%obstacle%file, contact%obstacle%line)
-      call visitor%reals(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
+      call visitor%vector(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
          default="the body's normal", is_nonzero=.true., is_shared=.true.), contact%direction)
       call describe_field(visitor, gap_keys, contact%extra_gap)
       ! Describes the keys of the multipliers.
@@ -703,7 +709,7 @@ contains
       ! Judges the keys of a `&contact` together.
       if (.not. visitor%is_judging()) return
       if (contact%pairing%is_pair()) then
-         call visitor%only('obstacle point normal radius line gap_direction', .false., &
+         call visitor%only('obstacle point normal radius axis line gap_direction', .false., &
             'a rigid obstacle, not with against')
          call visitor%require(contact%pairing%against /= contact%set, 'against', 'against must name another set'// &
             " than set; for self contact, split the set '"//contact%set//"' in two, the lips of a slit by "// &
@@ -711,14 +717,24 @@ contains
       end if
       call visitor%only('search gap', contact%pairing%is_pair(), 'contact against another body')
       associate (obstacle => contact%obstacle)
-         call visitor%only('radius', obstacle%has_radius(), "obstacle = 'circle' or 'parabola'")
+         associate (n_dim => obstacle_dimensions(obstacle%kind))
+            if (n_dim > 0) call visitor%state_dimensions(n_dim, 'obstacle', " = '"//trim(obstacle%kind)//"'")
+         end associate
+         call visitor%only('radius', obstacle%has_radius(), &
+            "obstacle = 'circle', 'parabola', 'sphere', 'cylinder' or 'paraboloid'")
          call visitor%require(visitor%has('radius') .or. .not. obstacle%has_radius(), 'obstacle', &
             "obstacle = '"//trim(obstacle%kind)//"' needs radius")
+         call visitor%only('axis', obstacle%kind == 'cylinder', "obstacle = 'cylinder'")
+         call visitor%require(visitor%has('axis') .or. obstacle%kind /= 'cylinder', 'obstacle', &
+            "obstacle = 'cylinder' needs axis, the direction of its axis")
+         call visitor%require(.not. abs(dot_product(obstacle%axis, obstacle%outward(3))) &
+            > input_rounding*norm2(obstacle%axis), 'axis', 'the axis of a cylinder must be perpendicular to its normal')
          call visitor%only('line', obstacle%kind == 'polyline', "obstacle = 'polyline'")
          call visitor%require(visitor%has('line') .or. obstacle%kind /= 'polyline', 'obstacle', &
             "obstacle = 'polyline' needs line = 'FILE.csv'")
       end associate
       call visitor%only('cells cell_ends', contact%partition%is_constant, "multipliers = 'constant'")
+      if (contact%partition%is_constant) call visitor%state_dimensions(2, 'multipliers', " = 'constant'")
       call visitor%only('wear', visitor%deck%count_groups('history') > 0, 'a deck with &history')
       call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
          'give either cells or cell_ends')
@@ -754,8 +770,9 @@ contains
       ! Where a slope may raise it, it is measured at the contact points.
       if (visitor%has(keys(2)%name)) value_key%at_least = -huge(1.0_dp)
       call visitor%real(value_key, field%value)
-      call visitor%reals(keys(2), field%slope)
+      call visitor%vector(keys(2), field%slope)
       call visitor%text(keys(3), field%file)
+      call visitor%state_dimensions(2, trim(keys(3)%name))
       call visitor%table(trim(keys(3)%name), field%file, field%table, station='length', least=keys(1)%at_least)
       if (allocated(field%table)) call visitor%require(.not. any(abs([field%value, field%slope]) > 0.0_dp), &
          trim(keys(3)%name), 'give either '//trim(keys(1)%name)//' and '//trim(keys(2)%name)//', or '// &

@@ -7,7 +7,7 @@ module amontons_contact_table
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_document, only: document_t
-   use amontons_friction_law, only: status_names
+   use amontons_friction_law, only: status_names, tangential_norm
    use amontons_kinds, only: dp
    use amontons_result, only: result_t
    use amontons_text, only: as_lines, columns, comma_separated, flush_right, heading, n_characters, replaced, to_text, &
@@ -163,7 +163,11 @@ contains
    !=   obstacle the mean of the point's nodes
    !=contact.csv `pair` | | with a pair: `SLAVE/MASTER`, the two sets, with a semicolon for each comma; with a rigid
    !=   obstacle the set
-   !=contact.csv `status` | | `open`, `stick`, `slip+` or `slip-`; `slip` of a twisted body
+   !=contact.csv `z`, `normal_z`, `area` | L, –, L² | of a solid, the last for `weight`: tributary area
+   !=contact.csv `slip_x`, `slip_y`, `slip_z` | L | of a solid: the slip as a vector; `slip` is its length
+   !=contact.csv `force_x`, `force_y`, `force_z` | F | of a solid: force of the obstacle on the body;
+   !=   `tangential_force` and `contact_shear` are magnitudes
+   !=contact.csv `status` | | `open`, `stick`, `slip+` or `slip-`; `slip` of a twisted body or a solid
    !> Makes the columns, in the order of the table.
    subroutine contact_columns(list, body, result)
       type(column_t), allocatable, intent(out) :: list(:) !! the columns
@@ -172,7 +176,10 @@ contains
       real(dp), parameter :: known_share = 1.0e-2_dp ! 1e-10 over 1e-8, see below
       real(dp) :: at_points(body%zone%n_rows), motion(body%zone%n_rows - body%zone%n_points), length, &
          slip_scales(size(slip_keys))
-      integer :: i
+      character, parameter :: axes(3) = ['x', 'y', 'z']
+      real(dp), dimension(body%zone%n_points) :: slip, shear
+      integer :: i, n
+      logical :: in_space
 
       allocate (list(0))
       associate (zone => body%zone, load_case => result%load_case, force => result%solution%force, &
@@ -184,18 +191,36 @@ contains
          ! displacements.
          length = max(maxval(abs(result%displacement)), maxval(abs(load_case%gap)), &
             1.0e-6_dp*maxval(abs(zone%position)))
-         call add('x', 'x', 'L', zone%position(1, :), maxval(abs(zone%position)))
-         call add('y', 'y', 'L', zone%position(2, :), maxval(abs(zone%position)))
-         call add('normal_x', '', '', zone%frame(1, 1, :), 1.0_dp)
-         call add('normal_y', '', '', zone%frame(2, 1, :), 1.0_dp)
-         call add('weight', '', 'L', zone%weight, 0.0_dp)
+         n = size(zone%position, 1)
+         in_space = n == 3
+         slip = motion(:m)
+         shear = force(m + 1:2*m)
+         if (in_space) slip = tangential_norm(motion, m)
+         if (in_space) shear = tangential_norm(force(m + 1:), m)
+         do i = 1, n
+            call add(axes(i), axes(i), 'L', zone%position(i, :), maxval(abs(zone%position)))
+         end do
+         do i = 1, n
+            call add('normal_'//axes(i), '', '', zone%frame(i, 1, :), 1.0_dp)
+         end do
+         if (in_space) call add('area', '', 'L^2', zone%area, 0.0_dp)
+         if (.not. in_space) call add('weight', '', 'L', zone%weight, 0.0_dp)
          call add('gap', 'gap', 'L', load_case%free_gap - result%solution%displacement(:m), length, .true.)
-         call add('slip', 'slip', 'L', motion(:m), max(length, maxval(abs(load_case%obstacle_motion))), .true.)
+         call add('slip', 'slip', 'L', slip, max(length, maxval(abs(load_case%obstacle_motion))), .true.)
          call add('normal_force', 'normal force', 'F', force(:m), 0.0_dp)
-         call add('tangential_force', 'tang. force', 'F', force(m + 1:2*m), 0.0_dp)
+         call add('tangential_force', 'tang. force', 'F', shear, 0.0_dp)
          call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)
-         call add('contact_shear', 'shear', 'F/L^2', force(m + 1:2*m)/zone%area, 0.0_dp, .true.)
-         if (body%materials%is_twisted()) then
+         call add('contact_shear', 'shear', 'F/L^2', shear/zone%area, 0.0_dp, .true.)
+         if (in_space) then
+            at_points = reshape(zone%global_vectors([0.0_dp*slip, motion]), shape(at_points))
+            do i = 1, n
+               call add('slip_'//axes(i), '', 'L', at_points(i::n), length)
+            end do
+            at_points = -reshape(zone%global_vectors(force), shape(at_points))
+            do i = 1, n
+               call add('force_'//axes(i), 'force '//axes(i), 'F', at_points(i::n), maxval(abs(force)))
+            end do
+         else if (body%materials%is_twisted()) then
             call add('slip_theta', 'slip theta', 'L', motion(m + 1:), length, .true.)
             call add('tangential_force_theta', 'force theta', 'F', force(2*m + 1:), 0.0_dp)
             call add('contact_shear_theta', 'shear theta', 'F/L^2', force(2*m + 1:)/zone%area, 0.0_dp, .true.)
@@ -251,7 +276,7 @@ contains
       total = 0.0_dp
       associate (rows => body%zone%rows)
          do p = 1, body%zone%n_points
-            do k = rows%start(p), rows%start(p + 1) - 1
+            do k = rows%start(p), body%zone%last_own_part(p)
                share = norm2(rows%block(:, 1, k))*body%zone%area(p)
                if (.not. share > 0.0_dp) cycle
                associate (node => rows%node(k))

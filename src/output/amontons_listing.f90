@@ -146,7 +146,7 @@ contains
       if (allocated(body%mesh%source)) text = text//labeled('Mesh', body%mesh%source)
       text = text//labeled('Nodes, elements', to_text(body%mesh%n_nodes)//', '//to_text(body%mesh%n_elements))// &
          labeled('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_schur)// &
-         ' on the contact line')
+         ' on the contact '//trim(merge('line ', 'faces', allocated(body%zone%line))))
       do i = 1, size(body%materials%list)
          text = text//labeled('Material', material_text(body%materials%list(i), units))
       end do
@@ -159,7 +159,8 @@ contains
          end if
       end do
       do i = 1, size(load_case%contacts)
-         text = text//labeled('Contact', contact_text(load_case%contacts(i), units))
+         text = text//labeled('Contact', contact_text(load_case%contacts(i), &
+            size(body%mesh%coordinates, 1), units))
          if (load_case%contacts(i)%partition%is_constant) then
             lengths = pack(body%zone%weight, body%zone%set == i)
             text = text//labeled('Multipliers', 'constant on '//to_text(size(lengths))//' cells of length '// &
@@ -275,28 +276,31 @@ contains
    end function support_text
 
    !> A contact set: its friction, its master or rigid obstacle, gaps.
-   pure function contact_text(contact, units) result(text)
+   pure function contact_text(contact, n_dim, units) result(text)
       type(contact_t), intent(in) :: contact !! the contact set
+      integer, intent(in) :: n_dim !! number of dimensions
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
 
       text = "set '"//contact%set//"'"
       if (contact%pairing%is_pair()) text = text//" (slave) against '"//contact%pairing%against//"' (master)"
-      text = text//field_text('friction', contact%friction)//field_text('slip bound', contact%slip_bound)
+      text = text//field_text('friction', contact%friction, n_dim)//field_text('slip bound', contact%slip_bound, n_dim)
       associate (obstacle => contact%obstacle)
          if (contact%pairing%is_pair()) then
             if (contact%pairing%gap /= gap_names(1)) text = text//', '//trim(contact%pairing%gap)
             if (contact%pairing%search > 0.0_dp) text = text//', search '// &
                with_unit(short_text(contact%pairing%search), units, 'L')
          else
-            text = text//', '//trim(obstacle%kind)//' at '//with_unit(vector_text(obstacle%point(:2)), units, 'L')// &
-               ' with normal '//vector_text(obstacle%normal(:2))
+            text = text//', '//trim(obstacle%kind)//' at '//with_unit(vector_text(obstacle%point(:n_dim)), units, &
+               'L')//' with normal '//vector_text(obstacle%given_normal(n_dim))
+            if (obstacle%kind == 'cylinder') text = text//', axis '//vector_text(obstacle%axis)
             if (obstacle%has_radius()) text = text//', radius '//with_unit(short_text(obstacle%radius), units, 'L')
             if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
-            if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '//vector_text(contact%direction)
+            if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '// &
+               vector_text(contact%direction(:n_dim))
          end if
       end associate
-      text = text//field_text('extra gap', contact%extra_gap, units)
+      text = text//field_text('extra gap', contact%extra_gap, n_dim, units)
       if (contact%wear > 0.0_dp) text = text//', wear '//with_unit(short_text(contact%wear), units, 'L^2/F')
    end function contact_text
 
@@ -314,9 +318,10 @@ contains
    end function roles_text
 
    !> A quantity along a contact line; empty if it is zero.
-   pure function field_text(name, field, units) result(text)
+   pure function field_text(name, field, n_dim, units) result(text)
       character(*), intent(in) :: name !! name of the quantity
       type(line_field_t), intent(in) :: field !! the quantity
+      integer, intent(in) :: n_dim !! number of dimensions
       character(*), intent(in), optional :: units !! names of the units of the case, of a length
       character(:), allocatable :: text
 
@@ -324,7 +329,8 @@ contains
       if (allocated(field%table)) then
          text = ', '//name//' from '//field%file
       else if (any(abs(field%slope) > 0.0_dp)) then
-         text = ', '//name//' '//short_text(field%value)//' + '//vector_text(field%slope)//' . (x, y)'
+         text = ', '//name//' '//short_text(field%value)//' + '//vector_text(field%slope(:n_dim))// &
+            trim(merge(' . (x, y)   ', ' . (x, y, z)', n_dim == 2))
       else if (abs(field%value) > 0.0_dp .or. name == 'friction') then
          text = ', '//name//' '//short_text(field%value)
          if (present(units)) text = ', '//name//' '//with_unit(short_text(field%value), units, 'L')
@@ -375,7 +381,7 @@ contains
          is_aslant = .false.
          do p = 1, zone%n_points
             if (is_guided(p)) is_aslant(p) = any([(body%constraints%leaves_free(zone%rows%node(k), &
-               zone%frame(:2, 2, p)), k=zone%rows%start(p), zone%rows%start(p + 1) - 1)])
+               zone%frame(:size(zone%position, 1), 2, p)), k=zone%rows%start(p), zone%rows%start(p + 1) - 1)])
          end do
          is_guided = is_guided .and. .not. is_aslant
          noun = merge('cell', 'node', any(zone%is_cell))
@@ -535,16 +541,18 @@ contains
          if (allocated(result%all_solutions)) text = text//solutions_text(result%all_solutions, solution%force)
          call listing%record(text)
          if (allocated(result%convergence)) call listing%add(convergence_text(result%convergence, label%units))
-         if (body%zone%n_points > 0) call listing%add(heading('Contact line')//counts_text(solution%status, &
+         if (body%zone%n_points > 0) call listing%add(heading(trim(merge('Contact faces', 'Contact line ', &
+            result%lengths%are_areas)))//counts_text(solution%status, &
             1 + body%zone%n_tangents)//quantities_text(result%lengths%quantities(), label%units)// &
             intervals_text('Closed zone', result%closed, label%units)// &
             intervals_text('Stick zone', result%stuck, label%units), [max(0.0_dp, maxval(abs(body%zone%position)))])
-         associate (certificate => result%certificate)
+         associate (certificate => result%certificate, n_dim => size(body%mesh%coordinates, 1))
             call listing%add(heading('Resultants')// &
-               labeled('Loads', with_unit(vector_text(certificate%load), label%units, 'F'))// &
-               labeled('Support reactions', with_unit(vector_text(certificate%reaction), label%units, 'F'))// &
-               labeled('Contact forces', with_unit(vector_text(certificate%contact), label%units, 'F'))// &
-               quantities_text(resultants(solution%force, size(solution%status)), label%units), [force_scale(result)])
+               labeled('Loads', with_unit(vector_text(certificate%load(:n_dim)), label%units, 'F'))// &
+               labeled('Support reactions', with_unit(vector_text(certificate%reaction(:n_dim)), label%units, 'F'))// &
+               labeled('Contact forces', with_unit(vector_text(certificate%contact(:n_dim)), label%units, 'F'))// &
+               quantities_text(resultants(solution%force, size(solution%status), result%lengths%are_areas), &
+               label%units), [force_scale(result)])
             call listing%add(quantities_text(certificate%energies(), label%units), [certificate%strain_energy])
          end associate
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])
@@ -552,7 +560,8 @@ contains
             heading('Accuracy (energy norm of the stress error)')// &
             quantities_text(result%error_estimate%quantities(), label%units))
          if (body%zone%n_points > 0) call listing%add(points_text('Contact points (normal: compression positive; '// &
-            'tangential: positive along t)', columns, solution%status, label%units), &
+            trim(merge('force: on the body)          ', 'tangential: positive along t)', result%lengths%are_areas)), &
+            columns, solution%status, label%units), &
             [0.0_dp, pack(columns%scale, columns%label /= ''), 0.0_dp])
       end associate
       call listing%record(times_text(result%timings, listed_phases))
@@ -731,7 +740,7 @@ contains
       do i = 1, size(quantities)
          associate (quantity => quantities(i))
             number = with_unit(short_text(quantity%value), units, trim(quantity%dimension))
-            if (quantity%has_place) number = number//' at '//vector_text(quantity%place)
+            if (quantity%n_dim > 0) number = number//' at '//vector_text(quantity%place(:quantity%n_dim))
             call append_text(text, length, labeled(quantity%label(:width), number))
          end associate
       end do

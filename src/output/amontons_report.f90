@@ -256,11 +256,16 @@ contains
          call summary%add(member('counts', '{'//size_counts(body)//', '//status_members(solution%status)//'}'))
          call summary%record(member('factor', '{"entries": '//to_text(result%factor%n_entries)//', "flops": '// &
             to_text(nint(result%factor%n_flops, int64))//'}'))
-         call summary%add(quantities_member('lengths', result%lengths%quantities()))
-         call summary%add(intervals_member('closed_zones', result%closed), [maxval(abs(body%zone%position))])
-         call summary%add(intervals_member('stick_zones', result%stuck), [maxval(abs(body%zone%position))])
+         if (result%lengths%are_areas) then
+            call summary%add(quantities_member('areas', result%lengths%quantities()))
+         else
+            call summary%add(quantities_member('lengths', result%lengths%quantities()))
+            call summary%add(intervals_member('closed_zones', result%closed), [maxval(abs(body%zone%position))])
+            call summary%add(intervals_member('stick_zones', result%stuck), [maxval(abs(body%zone%position))])
+         end if
          call summary%add(quantities_member('resultants', resultants(solution%force, &
-            size(solution%status))), scales(resultants(solution%force, size(solution%status))))
+            size(solution%status), result%lengths%are_areas)), scales(resultants(solution%force, &
+            size(solution%status), result%lengths%are_areas)))
          if (allocated(result%error_estimate)) call summary%add(quantities_member('accuracy', &
             result%error_estimate%quantities()))
          if (allocated(result%convergence)) then

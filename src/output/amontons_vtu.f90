@@ -7,9 +7,10 @@
 module amontons_vtu
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_body, only: body_t
+   use amontons_boundary, only: new_patch, patch_t
    use amontons_contact_rows, only: contact_rows_t
+   use amontons_contact_set, only: contact_t
    use amontons_contact_table, only: at_nodes, column_t, contact_columns, master_line_t, new_master_line, side_rows
-   use amontons_contact_zone, only: contact_zone_t
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_key_results, only: all_von_mises
    use amontons_kinds, only: dp, int32, int64
@@ -67,7 +68,7 @@ module amontons_vtu
    end type vtk_file_t
 
    !> VTK's numbers of the element kinds, in the order of `amontons_element`.
-   integer, parameter :: vtk_cell_type(*) = [5, 9, 22, 23, 28]
+   integer, parameter :: vtk_cell_type(*) = [5, 9, 22, 23, 28, 10, 24, 12, 25]
    !> VTK's numbers of a vertex and of a line segment.
    integer, parameter :: vtk_vertex = 1, vtk_line = 3
    !> Numbers of components of vectors and of stresses in VTK, which are in space.
@@ -402,7 +403,7 @@ contains
       largest = 0.0_dp
       associate (rows => body%zone%rows)
          do p = 1, body%zone%n_points
-            do k = rows%start(p), rows%start(p + 1) - 1
+            do k = rows%start(p), body%zone%last_own_part(p)
                share = norm2(rows%block(:, 1, k))*body%zone%area(p)
                if (exceeds(share, largest(rows%node(k)))) status(rows%node(k)) = result%solution%status(p)
                largest(rows%node(k)) = max(largest(rows%node(k)), share)
@@ -427,6 +428,8 @@ contains
    end subroutine show_body
 
    !=contact.vtu `normal` | nodes, 3 components | – | unit outward normal of the body
+   !=contact.vtu `slip_vector`, `force` | nodes, 3 components | L, F | of a solid: slip since rest, and force of the
+   !=   obstacle on the body
    !=contact.vtu `set` | nodes | | number of the `&contact` group, in the order of the deck
    !=contact.vtu `jump` | nodes, 3 components | L | with pairs: displacement of the slave relative to the master; 0 on
    !=   the master
@@ -440,35 +443,55 @@ contains
       type(column_t), allocatable :: columns(:)
       type(contact_rows_t) :: slave
       type(master_line_t) :: line
+      real(dp), allocatable :: moved(:, :)
       integer :: i, n_lines
-      integer, allocatable :: segments(:, :), lone(:)
+      integer, allocatable :: segments(:, :), lone(:), cells(:), offsets(:)
       logical, allocatable :: is_lone(:)
 
       call contact_columns(columns, body, result)
-      call new_master_line(line, body%zone)
+      allocate (cells(0), offsets(0))
+      if (allocated(body%zone%line)) then
+         call new_master_line(line, body%zone)
+      else
+         call new_contact_faces(cells, offsets, line, body, result%load_case%contacts)
+      end if
       associate (zone => body%zone)
          ! Segments from point to point, then points without a neighbor.
          allocate (segments(2, 0), is_lone(zone%n_points))
          if (allocated(zone%line)) segments = zone%line%segments()
-         is_lone = .true.
+         is_lone = allocated(zone%line)
          is_lone([segments]) = .false.
          lone = pack([(i, i=1, zone%n_points)], is_lone)
          call vtk%begin_grid(zone%n_points + line%n_nodes, size(segments, 2) + size(lone) &
-            + size(line%segment, 2))
+            + size(line%segment, 2) + size(offsets))
       end associate
       ! Displacements and normals; where there are pairs, how far they move apart, and the forces, too.
       associate (zone => body%zone, u => result%displacement, force => result%solution%force)
-         slave = side_rows(zone, .false.)
-         call vtk%put_spread('PointData', 'displacement', 'L', &
-            joined(vectors(zone, slave%displacement(u)), u(:, line%node)), in_space)
-         call vtk%put_spread('PointData', 'normal', '', joined(zone%frame(:2, 1, :), line%normal), in_space)
-         if (line%n_nodes > 0) then
+         if (allocated(zone%line)) then
+            slave = side_rows(zone, .false.)
+            moved = zone%global_vectors(slave%displacement(u))
+         else
+            moved = u(:, zone%rows%node(zone%rows%start(:zone%n_points)))
+         end if
+         call vtk%put_spread('PointData', 'displacement', 'L', joined(moved, u(:, line%node)), in_space)
+         call vtk%put_spread('PointData', 'normal', '', joined(zone%frame(:size(line%normal, 1), 1, :), line%normal), &
+            in_space)
+         if (.not. allocated(zone%line)) then
+            vtk%scale = maxval(abs(u))
+            associate (m => zone%n_points)
+               call vtk%put_spread('PointData', 'slip_vector', 'L', joined(zone%global_vectors([0.0_dp*force(:m), &
+                  zone%free_slips(result%solution%displacement(m + 1:))]), 0.0_dp*u(:, line%node)), in_space)
+            end associate
+            vtk%scale = maxval([0.0_dp, abs(force)])
+            call vtk%put_spread('PointData', 'force', 'F', joined(-zone%global_vectors(force), &
+               0.0_dp*u(:, line%node)), in_space)
+         else if (line%n_nodes > 0) then
             vtk%scale = maxval(abs(u))
             call vtk%put_spread('PointData', 'jump', 'L', &
-               joined(vectors(zone, zone%rows%displacement(u)), 0.0_dp*u(:, line%node)), in_space)
+               joined(zone%global_vectors(zone%rows%displacement(u)), 0.0_dp*u(:, line%node)), in_space)
             vtk%scale = maxval([0.0_dp, abs(force)])
             call vtk%put_spread('PointData', 'force', 'F', &
-               joined(-vectors(zone, force), line%forces(zone, force, body%mesh%n_nodes)), in_space)
+               joined(-zone%global_vectors(force), line%forces(zone, force, body%mesh%n_nodes)), in_space)
          end if
       end associate
       do i = 1, size(columns)
@@ -483,11 +506,62 @@ contains
       associate (zone => body%zone)
          n_lines = size(segments, 2) + size(line%segment, 2)
          call vtk%put_cells(joined(zone%position, body%mesh%coordinates(:, line%node)), &
-            [segments, zone%n_points + [line%segment], lone], &
-            [(2*i, i=1, n_lines), (2*n_lines + i, i=1, size(lone))], &
-            [spread(vtk_line, 1, n_lines), spread(vtk_vertex, 1, size(lone))])
+            [segments, zone%n_points + [line%segment], lone, cells], &
+            [(2*i, i=1, n_lines), (2*n_lines + i, i=1, size(lone)), offsets], &
+            [spread(vtk_line, 1, n_lines), spread(vtk_vertex, 1, size(lone)), vtk_face_type(offsets &
+            - [0, offsets(:size(offsets) - 1)])])
       end associate
    end subroutine show_contact_line
+
+   !> Finds the contact faces of a solid. Their nodes that are no contact points follow the points.
+   pure subroutine new_contact_faces(cells, offsets, line, body, contacts)
+      integer, allocatable, intent(out) :: cells(:) !! the nodes of each face, by their numbers in the grid
+      integer, allocatable, intent(out) :: offsets(:) !! where they end (faces)
+      type(master_line_t), intent(out) :: line !! the nodes that are no contact points, without segments
+      type(body_t), intent(in) :: body !! the body
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(patch_t) :: patch
+      type(error_t), allocatable :: error
+      integer :: place(body%mesh%n_nodes), set, i, k, p
+
+      allocate (cells(0), offsets(0), line%node(0), line%set(0), line%segment(2, 0), line%normal(3, 0))
+      associate (rows => body%zone%rows)
+         do set = 1, size(contacts)
+            ! not raised: the contact zone has been made of these sets
+            call new_patch(patch, body%mesh, contacts(set)%set, error)
+            place = 0
+            ! The point of this set, or else that of an earlier one which it continues.
+            do k = 1, 2
+               do p = 1, body%zone%n_points
+                  if (body%zone%set(p) == set .eqv. k == 2) place(rows%node(rows%start(p))) = p
+               end do
+            end do
+            do i = 1, patch%n_nodes
+               associate (node => patch%node(i))
+                  if (place(node) > 0) cycle
+                  line%n_nodes = line%n_nodes + 1
+                  place(node) = body%zone%n_points + line%n_nodes
+                  line%node = [line%node, node]
+                  line%set = [line%set, set]
+                  line%normal = reshape([line%normal, patch%normal(:, i)], [3, line%n_nodes])
+               end associate
+            end do
+            do i = 1, size(patch%faces)
+               associate (face => patch%faces(i))
+                  cells = [cells, place(face%node(:face%n_nodes))]
+                  offsets = [offsets, size(cells)]
+               end associate
+            end do
+         end do
+      end associate
+   end subroutine new_contact_faces
+
+   !> Number of VTK of a face, by its nodes.
+   elemental integer function vtk_face_type(n_nodes)
+      integer, intent(in) :: n_nodes !! number of its nodes: 3, 4, 6 or 8
+
+      vtk_face_type = vtk_cell_type(findloc([3, 4, 6, 8] == n_nodes, .true., dim=1))
+   end function vtk_face_type
 
    !> Vectors of the contact points followed by those of the masters' nodes.
    pure function joined(at_points, at_masters)
@@ -499,17 +573,5 @@ contains
       joined(:, :size(at_points, 2)) = at_points
       joined(:, size(at_points, 2) + 1:) = at_masters
    end function joined
-
-   !> Vectors of the contact points from their components along normals and tangents (components, m).
-   pure function vectors(zone, components)
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: components(:) !! the normal ones, then the tangential ones (n_rows)
-      real(dp) :: vectors(1 + zone%n_tangents, zone%n_points)
-      integer :: p
-
-      do p = 1, zone%n_points
-         vectors(:, p) = matmul(zone%frame(:, :, p), components(p::zone%n_points))
-      end do
-   end function vectors
 
 end module amontons_vtu

@@ -14,6 +14,7 @@ module amontons_key_results
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
+   use amontons_dense, only: vector_product
    use amontons_element, only: n_corners, n_element_nodes
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, stick_point, tangential_norm
    use amontons_kinds, only: dp
@@ -51,11 +52,13 @@ module amontons_key_results
    end type chain_t
 
    !> Lengths of the three zones. Their sum is the length of the sides between contact points, for a pair of the parts
-   !> that face the master, and of the cells.
+   !> that face the master, and of the cells. In space, where points have no order, they are areas: of the points.
    type :: lengths_t
-      real(dp) :: open = 0.0_dp !! length of sides with an open end [L]
-      real(dp) :: slip = 0.0_dp !! length of sides with closed ends of which at least one slips [L]
-      real(dp) :: stick = 0.0_dp !! length of sides with two sticking ends [L]
+      logical :: are_areas = .false. !! whether they are areas
+      real(dp) :: open = 0.0_dp !! length of sides with an open end, or area of open points [L], [L^2]
+      real(dp) :: slip = 0.0_dp
+         !! length of sides with closed ends of which at least one slips, or area of slipping points [L], [L^2]
+      real(dp) :: stick = 0.0_dp !! length of sides with two sticking ends, or area of sticking points [L], [L^2]
    contains
       procedure :: quantities => lengths_quantities
    end type lengths_t
@@ -296,7 +299,7 @@ contains
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(chain_t), intent(in) :: chain !! the points that follow each other
       real(dp), intent(in) :: arc !! the length [L]
-      real(dp) :: place(2)
+      real(dp) :: place(size(zone%position, 1))
       integer :: i, n
 
       n = size(chain%point)
@@ -308,14 +311,18 @@ contains
       end associate
    end function place_at
 
-   !> The sums of the normal and the tangential contact forces.
-   pure function resultants(force, m) result(list)
+   !> The sums of the normal and the tangential contact forces, the latter in magnitude in space.
+   pure function resultants(force, m, in_space) result(list)
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       integer, intent(in) :: m !! number of points
+      logical, intent(in) :: in_space !! whether the tangential forces are vectors on a face
       type(quantity_t) :: list(2)
+      real(dp) :: tangential
 
+      tangential = sum(force(m + 1:2*m))
+      if (in_space) tangential = sum(tangential_norm(force(m + 1:), m))
       list = [quantity_t('normal_force', 'Normal forces', sum(force(:m)), sum(abs(force)), dimension='F'), &
-         quantity_t('tangential_force', 'Tangential forces', sum(force(m + 1:2*m)), sum(abs(force)), dimension='F')]
+         quantity_t('tangential_force', 'Tangential forces', tangential, sum(abs(force)), dimension='F')]
    end function resultants
 
    !=key_results `max_contact_pressure` | F/L² | largest contact pressure of a contact point
@@ -451,11 +458,14 @@ contains
       type(quantity_t), allocatable :: list(:)
       ! Ends between nodes are found to about a tenth of a side each.
       real(dp), parameter :: between_nodes = 0.2_dp
+      character, parameter :: axes(3) = ['x', 'y', 'z']
       character(12) :: number
       character(13) :: suffix
-      ! The sums are those of the forces in x and y, of moments or torques, and of normal forces.
-      real(dp) :: sums(4), at(2), turning, center(2), acting(1 + body%zone%n_tangents), length, scale
-      integer :: i, p, n_sets
+      real(dp), dimension(1 + body%zone%n_tangents) :: force_sum, acting
+      real(dp), dimension(size(body%zone%position, 1)) :: at, center
+      ! Moments about the axes in space, in the plane about the origin or, of a twisted body, the axis.
+      real(dp) :: moment(merge(3, 1, size(center) == 3)), turning(3), normal, length, scale
+      integer :: i, k, p, n_sets
 
       n_sets = maxval(body%zone%set)
       ! A single set needs no number.
@@ -465,36 +475,60 @@ contains
       do i = 1, n_sets
          if (n_sets > 1) write (number, '(i0)') i
          if (n_sets > 1) suffix = '_'//number
-         sums = 0.0_dp
+         force_sum = 0.0_dp
+         moment = 0.0_dp
+         normal = 0.0_dp
          center = 0.0_dp
          associate (zone => body%zone)
             do p = 1, zone%n_points
                if (zone%set(p) /= i) cycle
                acting = -matmul(zone%frame(:, :, p), force(p::zone%n_points))
                at = zone%acting(:, p)
-               turning = at(1)*acting(2) - at(2)*acting(1)
-               if (body%materials%is_twisted()) turning = at(1)*acting(3)
-               sums = sums + [acting(:2), turning, force(p)]
+               if (size(at) == 3) then
+                  turning = vector_product(at, acting)
+               else
+                  turning(1) = at(1)*acting(2) - at(2)*acting(1)
+                  if (body%materials%is_twisted()) turning(1) = at(1)*acting(3)
+               end if
+               force_sum = force_sum + acting
+               moment = moment + turning(:size(moment))
+               normal = normal + force(p)
                center = center + force(p)*at
             end do
-            if (abs(sums(4)) > 0.0_dp) center = center/sums(4)
+            if (abs(normal) > 0.0_dp) center = center/normal
             length = maxval(abs(zone%position))
             scale = sum(abs(force))
          end associate
-         list = [list, quantity_t('contact_width'//suffix, 'Contact width '//number, sum(closed%length, &
-            mask=closed%set == i), length, between_nodes, dimension='L'), &
-            quantity_t('stick_width'//suffix, 'Stick width '//number, sum(stuck%length, mask=stuck%set == i), length, &
-            between_nodes, dimension='L'), &
-            quantity_t('contact_centroid_x'//suffix, 'Centroid x '//number, center(1), length, dimension='L'), &
-            quantity_t('contact_centroid_y'//suffix, 'Centroid y '//number, center(2), length, dimension='L'), &
-            quantity_t('contact_force_x'//suffix, 'Force x '//number, sums(1), scale, dimension='F'), &
-            quantity_t('contact_force_y'//suffix, 'Force y '//number, sums(2), scale, dimension='F')]
-         ! In a body of revolution forces have no moment but that about the axis.
-         associate (is_twisted => body%materials%is_twisted())
-            if (.not. body%is_axisymmetric .or. is_twisted) list = [list, quantity_t('contact_'//merge('torque', &
-               'moment', is_twisted)//suffix, merge('Torque ', 'Moment ', is_twisted)//number, sums(3), length*scale, &
-               dimension='F L')]
-         end associate
+         if (size(center) == 2) then
+            list = [list, quantity_t('contact_width'//suffix, 'Contact width '//number, sum(closed%length, &
+               mask=closed%set == i), length, between_nodes, dimension='L'), &
+               quantity_t('stick_width'//suffix, 'Stick width '//number, sum(stuck%length, mask=stuck%set == i), &
+               length, between_nodes, dimension='L')]
+         else
+            list = [list, quantity_t('contact_area'//suffix, 'Contact area '//number, sum(body%zone%area, &
+               mask=body%zone%set == i .and. force(:body%zone%n_points) > 0.0_dp), resolution=1.0_dp, dimension='L^2')]
+         end if
+         do k = 1, size(center)
+            list = [list, quantity_t('contact_centroid_'//axes(k)//suffix, 'Centroid '//axes(k)//' '//number, &
+               center(k), length, dimension='L')]
+         end do
+         do k = 1, size(center)
+            list = [list, quantity_t('contact_force_'//axes(k)//suffix, 'Force '//axes(k)//' '//number, force_sum(k), &
+               scale, dimension='F')]
+         end do
+         if (size(moment) == 3) then
+            do k = 1, 3
+               list = [list, quantity_t('contact_moment_'//axes(k)//suffix, 'Moment '//axes(k)//' '//number, &
+                  moment(k), length*scale, dimension='F L')]
+            end do
+         else
+            ! In a body of revolution forces have no moment but that about the axis.
+            associate (is_twisted => body%materials%is_twisted())
+               if (.not. body%is_axisymmetric .or. is_twisted) list = [list, quantity_t('contact_'//merge('torque', &
+                  'moment', is_twisted)//suffix, merge('Torque ', 'Moment ', is_twisted)//number, moment(1), &
+                  length*scale, dimension='F L')]
+            end associate
+         end if
       end do
    end function set_results
 
@@ -505,7 +539,7 @@ contains
       real(dp), intent(in) :: stress(:, :) !! stress at each node (n_strains, n_nodes) [F/L^2]
       type(quantity_t) :: list(2)
 
-      list = body_peaks_at_rest()
+      list = body_peaks_at_rest(size(mesh%coordinates, 1))
       call find_peak(list(1), all_von_mises(stress), mesh%coordinates)
       call find_peak(list(2), norm2(displacement, dim=1), mesh%coordinates)
    end function body_peaks
@@ -522,10 +556,12 @@ contains
    end function all_von_mises
 
    !> The results of `body_peaks` for a body without loads.
-   pure function body_peaks_at_rest() result(list)
+   pure function body_peaks_at_rest(n_dim) result(list)
+      integer, intent(in) :: n_dim !! number of dimensions
       type(quantity_t) :: list(2)
-      real(dp), parameter :: origin(2) = 0.0_dp
+      real(dp) :: origin(n_dim)
 
+      origin = 0.0_dp
       list = [at_place('max_von_mises', 'Max. von Mises', 0.0_dp, origin, 0.0_dp, 'F/L^2'), &
          at_place('max_displacement', 'Max. displacement', 0.0_dp, origin, 0.0_dp, 'L')]
    end function body_peaks_at_rest
@@ -535,12 +571,12 @@ contains
       character(*), intent(in) :: key !! its name in files
       character(*), intent(in) :: label !! its name in listings
       real(dp), intent(in) :: values(:) !! the values (any)
-      real(dp), intent(in) :: places(:, :) !! where each is found (2, any) [L]
+      real(dp), intent(in) :: places(:, :) !! where each is found (n_dim, any) [L]
       real(dp), intent(in) :: scale !! scale of its rounding errors
       character(*), intent(in) :: dimension !! its dimension
       type(quantity_t) :: quantity
 
-      quantity = at_place(key, label, 0.0_dp, [0.0_dp, 0.0_dp], scale, dimension)
+      quantity = at_place(key, label, 0.0_dp, spread(0.0_dp, 1, size(places, 1)), scale, dimension)
       call find_peak(quantity, values, places)
    end function peak
 
@@ -549,18 +585,18 @@ contains
    pure subroutine find_peak(quantity, values, places)
       type(quantity_t), intent(inout) :: quantity !! 0, with its scale; gains value and place
       real(dp), intent(in) :: values(:) !! the values (any)
-      real(dp), intent(in) :: places(:, :) !! where each is found (2, any) [L]
+      real(dp), intent(in) :: places(:, :) !! where each is found (n_dim, any) [L]
       integer :: i
 
       if (.not. any(values > computed_rounding*quantity%scale)) return
       i = findloc(values >= (1.0_dp - computed_rounding)*maxval(values), .true., dim=1)
       quantity%value = values(i)
-      quantity%place = places(:, i)
+      quantity%place(:size(places, 1)) = places(:, i)
    end subroutine find_peak
 
    !> Measures the zones along the sides, with the convention of Table 1 of the paper for its separated, sliding and
    !> sticking parts: the open zone ends at the first closed node, the slip zone at the first sticking node. A cell of
-   !> constant multipliers belongs to one zone as a whole. All lengths are 0 where points have no order.
+   !> constant multipliers belongs to one zone as a whole. In space the areas of the points are summed up.
    pure subroutine new_lengths(lengths, zone, status, set)
       type(lengths_t), intent(out) :: lengths !! the lengths
       type(contact_zone_t), intent(in) :: zone !! the contact points
@@ -569,13 +605,15 @@ contains
       real(dp) :: length
       integer :: p, ends(2)
 
-      if (.not. allocated(zone%line)) return
+      lengths%are_areas = .not. allocated(zone%line)
       do p = 1, zone%n_points
          if (present(set)) then
             if (set > 0 .and. zone%set(p) /= set) cycle
          end if
          ends = p
-         if (zone%is_cell(p)) then
+         if (lengths%are_areas) then
+            length = zone%area(p)
+         else if (zone%is_cell(p)) then
             length = zone%weight(p)
          else
             if (zone%line%next(p) == 0) cycle
@@ -598,11 +636,17 @@ contains
       end do
    end subroutine new_lengths
 
-   !> Open, slip and stick length, as quantities with their names [L].
+   !> Open, slip and stick length or area, as quantities with their names [L], [L^2].
    pure function lengths_quantities(self) result(list)
       class(lengths_t), intent(in) :: self !! the lengths
       type(quantity_t) :: list(3)
 
+      if (self%are_areas) then
+         list = [quantity_t('open_area', 'Open area', self%open, resolution=1.0_dp, dimension='L^2'), &
+            quantity_t('slip_area', 'Slip area', self%slip, resolution=1.0_dp, dimension='L^2'), &
+            quantity_t('stick_area', 'Stick area', self%stick, resolution=1.0_dp, dimension='L^2')]
+         return
+      end if
       list = [quantity_t('open_length', 'Open length', self%open, resolution=1.0_dp, dimension='L'), &
          quantity_t('slip_length', 'Slip length', self%slip, resolution=1.0_dp, dimension='L'), &
          quantity_t('stick_length', 'Stick length', self%stick, resolution=1.0_dp, dimension='L')]

@@ -309,10 +309,10 @@ contains
          result%convergence(i)%quantity = list(i)
          call new_convergence(result%convergence(i)%convergence, values(i, :), list(i)%resolution*side, &
             result_rounding*max(maxval(abs(values(i, :))), list(i)%scale))
-         if (.not. list(i)%has_place .or. has_limit(result%convergence(i)%convergence)) cycle
-         node = body%mesh%nearest_node(list(i)%place)
+         if (list(i)%n_dim == 0 .or. has_limit(result%convergence(i)%convergence)) cycle
+         node = body%mesh%nearest_node(list(i)%place(:list(i)%n_dim))
          if (any(is_beside(max(1, node):node))) names = names//', '//trim(list(i)%label)//' at '// &
-            vector_text(list(i)%place)
+            vector_text(list(i)%place(:list(i)%n_dim))
       end do
       if (len(names) > 0) call result%warnings%add('numbers that have no limit as the mesh is refined are found '// &
          'where a point force acts: '//names(3:)//'; spread it over a set, by traction or total_force')

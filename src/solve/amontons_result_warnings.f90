@@ -79,7 +79,7 @@ contains
          result%load_case%gap, result%solution%status)
       call add_reached_ends(result, body, reached)
       corner = corner_overlap(body, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
-         result%displacement(:2, :), badly_resolved)
+         result%displacement(:size(body%mesh%coordinates, 1), :), badly_resolved)
       if (corner%set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(corner%set)%set// &
          "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(corner%depth, 'L')// &
          ' at '//result%warnings%place(corner%place)//', between contact points: refine the mesh there until its '// &
@@ -133,7 +133,7 @@ contains
       integer :: i
 
       deepest = body%free_boundary%overlap(result%load_case%contacts, result%load_case%lies_outside, &
-         body%mesh%coordinates, result%displacement(:2, :))
+         body%mesh%coordinates, result%displacement(:size(body%mesh%coordinates, 1), :))
       do i = 1, size(reached)
          associate (set_end => body%free_boundary%ends(reached(i)))
             set = result%load_case%contacts(set_end%set)%set
@@ -473,7 +473,7 @@ contains
          do p = 1, zone%n_points
             if (load_case%is_in_reach(p) .or. load_case%depth(p) > 0.0_dp) cycle
             associate (contact => load_case%contacts(zone%set(p)))
-               depth = contact%obstacle%depth(zone%position(:, p) + matmul(zone%frame(:2, :, p), &
+               depth = contact%obstacle%depth(zone%position(:, p) + matmul(zone%frame(:size(zone%position, 1), :, p), &
                   at_points(p::zone%n_points)))
                if (depth - load_case%extra_gap(p) > negligible*maxval(abs(displacement))) n_passed = n_passed + 1
             end associate

@@ -81,7 +81,6 @@ contains
 
       call new_timings(result%timings)
       result%warnings%units = config%units
-      result%wants_error_estimate = config%accuracy%wants_estimate()
       result%method = config%method
       has_body = allocated(cache%body) .and. allocated(cache%key)
       if (has_body) has_body = cache%key == body_text(config)
@@ -93,6 +92,8 @@ contains
          call make_body(cache, config, error)
       end if
       if (allocated(error)) return
+      ! Stresses of solids are not recovered yet.
+      result%wants_error_estimate = config%accuracy%wants_estimate() .and. size(cache%body%mesh%coordinates, 1) == 2
       call new_load_case(result%load_case, cache%body, config%supports, config%contacts, config%loads, error)
       if (.not. allocated(error)) call add_model_warnings(result%warnings, cache%body, result%load_case)
    end subroutine prepare_case
@@ -195,7 +196,7 @@ contains
          call condense_body(cache%body, cache%problem, config%condensation, result%timings, error)
          cache%is_condensed = .not. allocated(error)
       end if
-      if (allocated(error) .or. .not. config%accuracy%wants_estimate()) return
+      if (allocated(error) .or. .not. result%wants_error_estimate) return
       call result%timings%begin(phase_recover)
       call prepare_estimates(cache%body)
       call result%timings%begin(phase_condense)
@@ -397,7 +398,7 @@ contains
       result%solution = start
       result%uniqueness = known
       result%method = options
-      result%wants_error_estimate = .true.
+      result%wants_error_estimate = size(body%mesh%coordinates, 1) == 2
       call new_timings(result%timings)
       call new_load_case(result%load_case, body, supports, contacts, loads, error)
       if (allocated(error)) return
@@ -408,7 +409,7 @@ contains
          call condense_body(body, problem, condensation_options_t(), result%timings, error)
       end if
       if (allocated(error)) return
-      call prepare_estimates(body)
+      if (result%wants_error_estimate) call prepare_estimates(body)
       call solve_load_case(result, body, problem, error)
       if (result%outcome == outcome_no_equilibrium .and. .not. allocated(error)) call new_error(error, &
          no_equilibrium, result%answer)

@@ -47,9 +47,12 @@ module amontons_verify_case
       real(dp) :: force = 0.0_dp !! forces up to this count as none [F]
    end type law_scales_t
 
-   !> Names of the columns of the tangential forces: for bodies, followed by those of reduced problems in space.
+   !> Names of the columns of the tangential forces: for bodies in the plane, followed by those of reduced problems in
+   !> space.
    character(22), parameter :: shear_names(4) = [character(22) :: 'tangential_force', 'tangential_force_theta', &
       'tangential_force_1', 'tangential_force_2']
+   !> Names of the columns of the forces on a solid.
+   character(22), parameter :: force_names(3) = [character(22) :: 'force_x', 'force_y', 'force_z']
 
 contains
 
@@ -94,13 +97,17 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(result_t), intent(inout) :: result !! the load case; gains what the files state, and what follows
       character(:), allocatable :: fault
+      character(len(shear_names)), allocatable :: names(:)
       integer :: m
 
       call new_contact_solution(result%solution, body%zone%n_points, body%zone%n_tangents)
-      call read_points(case%stem//'.contact.csv', body%zone%n_points, shear_names(:body%zone%n_tangents), &
-         result%solution%force, result%solution%status, fault)
+      names = shear_names(:body%zone%n_tangents)
+      if (size(body%mesh%coordinates, 1) == 3) names = force_names
+      call read_points(case%stem//'.contact.csv', body%zone%n_points, names, result%solution%force, &
+         result%solution%status, fault)
       call case%fault('.contact.csv', fault)
       if (len(fault) > 0) return
+      if (size(names) > body%zone%n_tangents) result%solution%force = along_frames(body, result%solution%force)
       call restore_displacement(result, body, case%stem//'.vtu', fault)
       call case%fault('.vtu', fault)
       if (len(fault) > 0) return
@@ -131,6 +138,22 @@ contains
          max(result%certificate%largest(), result%earlier_violation) <= certificate_limit(case%config%method%tolerance)
    end subroutine verify_result
 
+   !> Contact forces along normals and tangents, from the normal forces and the vectors of the forces on the body
+   !> (n_rows) [F].
+   pure function along_frames(body, stated) result(force)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: stated(:) !! normal forces, then each component of the vectors (any) [F]
+      real(dp) :: force(body%zone%n_rows)
+      integer :: p
+
+      associate (m => body%zone%n_points)
+         force(:m) = stated(:m)
+         do p = 1, m
+            force(m + p::m) = -matmul(stated(m + p::m), body%zone%frame(:, 2:, p))
+         end do
+      end associate
+   end function along_frames
+
    !> Reads what only the run knew of how its method ended.
    subroutine restore_outcome(case, solution)
       type(verified_case_t), intent(inout) :: case !! the case; gains the fault
@@ -153,7 +176,7 @@ contains
    subroutine read_points(path, n_points, shears, force, status, fault)
       character(*), intent(in) :: path !! name of the file
       integer, intent(in) :: n_points !! number of contact points
-      character(*), intent(in) :: shears(:) !! names of the columns of the tangential forces, 1 or 2
+      character(*), intent(in) :: shears(:) !! names of the columns of the tangential forces, or forces, 1 to 3
       real(dp), allocatable, intent(out) :: force(:) !! normal forces, then tangential ones (any) [F]
       integer, allocatable, intent(out) :: status(:) !! the statuses (n_points)
       character(:), allocatable, intent(out) :: fault !! why it cannot be read; empty if it can
@@ -174,7 +197,7 @@ contains
          end do
          ! Each status is one of the known names, those of the plane or those of space.
          status(p) = findloc(status_names == rows%field(p, columns(0)), .true., dim=1)
-         if (status(p) > stick_point .and. (status(p) == slip_point .neqv. size(shears) == 2)) status(p) = 0
+         if (status(p) > stick_point .and. (status(p) == slip_point .neqv. size(shears) > 1)) status(p) = 0
          if (status(p) == 0 .and. len(fault) == 0) fault = 'line '//to_text(p + 1)//": expected a status, found '"// &
             rows%field(p, columns(0))//"'"
       end do

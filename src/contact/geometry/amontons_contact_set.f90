@@ -41,10 +41,11 @@ module amontons_contact_set
       character(:), allocatable :: origin !! where the tie was specified, for messages: 'deck.nml:12: '
    end type tie_t
 
-   !> A quantity along a contact line: constant, linear in the coordinates, or given by a table over the length.
+   !> A quantity along a contact line or face: constant, linear in the coordinates, or given by a table over the length
+   !> of a line.
    type :: line_field_t
       real(dp) :: value = 0.0_dp !! its value at the origin of the coordinates; everywhere if nothing else is set
-      real(dp) :: slope(2) = 0.0_dp !! its change along x and y [per L]
+      real(dp) :: slope(3) = 0.0_dp !! its change along x, y and, in space, z [per L]
       real(dp), allocatable :: table(:, :) !! arc lengths and values, the arc lengths ascending (2, entries) [L, any]
       character(:), allocatable :: file !! the file of the table; empty or not allocated without one
    contains
@@ -75,7 +76,7 @@ module amontons_contact_set
       character(:), allocatable :: set !! name of the boundary set
       type(obstacle_t) :: obstacle !! the rigid obstacle, if the set is not paired
       type(pairing_t) :: pairing !! the other body, if the set is paired
-      real(dp) :: direction(2) = 0.0_dp !! along which gaps count, towards the obstacle; 0, 0 for the body's normal [-]
+      real(dp) :: direction(3) = 0.0_dp !! along which gaps count, towards the obstacle; 0 for the body's normal [-]
       type(line_field_t) :: extra_gap !! added to every gap; negative for an interference [L]
       type(line_field_t) :: friction !! Coulomb's coefficient phi, at least 0 [-]
       type(line_field_t) :: slip_bound !! given (Tresca) bound g of the shear stress, at least 0 [F/L^2]
@@ -143,12 +144,12 @@ contains
    !> The quantity at a position on the line; a table is interpolated linearly, and constant beyond its ends.
    pure real(dp) function line_field_at(self, position, arc_length) result(value)
       class(line_field_t), intent(in) :: self !! the quantity
-      real(dp), intent(in) :: position(2) !! coordinates of the point [L]
+      real(dp), intent(in) :: position(:) !! coordinates of the point (n_dim) [L]
       real(dp), intent(in) :: arc_length !! length along the line from its first node [L]
       real(dp) :: share
       integer :: i
 
-      value = self%value + dot_product(self%slope, position)
+      value = self%value + dot_product(self%slope(:size(position)), position)
       if (.not. allocated(self%table)) return
       associate (arc_lengths => self%table(1, :), values => self%table(2, :))
          i = count(arc_lengths <= arc_length)

@@ -9,6 +9,7 @@
 !> the positions where a line along the normal of the body enters and leaves the obstacle. A polyline must not cross
 !> itself, since no side of it would then be the inside.
 module amontons_obstacle
+   use amontons_dense, only: vector_product
    use amontons_kinds, only: dp
    use amontons_rounding, only: computed_rounding, sum_rounding
    implicit none (type, external)
@@ -37,6 +38,7 @@ module amontons_obstacle
       procedure, private :: crossings => obstacle_crossings
       procedure :: depth => obstacle_depth
       procedure, private :: frame => obstacle_frame
+      procedure :: given_normal => obstacle_given_normal
       procedure, private :: has_ends => obstacle_has_ends
       procedure :: has_radius => obstacle_has_radius
       procedure, private :: is_passed => obstacle_is_passed
@@ -162,10 +164,18 @@ contains
       integer, intent(in) :: n_dim !! number of dimensions
       real(dp) :: normal(n_dim)
 
+      normal = unit_vector(self%given_normal(n_dim))
+   end function obstacle_outward
+
+   !> The direction of the normal as it was given, of any length; the last axis without one [-].
+   pure function obstacle_given_normal(self, n_dim) result(normal)
+      class(obstacle_t), intent(in) :: self !! the obstacle
+      integer, intent(in) :: n_dim !! number of dimensions
+      real(dp) :: normal(n_dim)
+
       normal = self%normal(:n_dim)
       if (.not. any(abs(normal) > 0.0_dp)) normal(n_dim) = 1.0_dp
-      normal = unit_vector(normal)
-   end function obstacle_outward
+   end function obstacle_given_normal
 
    !> The axes of the obstacle's frame as columns, the last one its normal (n_dim, n_dim) [-].
    pure function obstacle_frame(self, n_dim) result(frame)
@@ -415,14 +425,5 @@ contains
 
       cross_product = a(1)*b(2) - a(2)*b(1)
    end function cross_product
-
-   !> The cross product of two vectors in space.
-   pure function vector_product(a, b)
-      real(dp), intent(in) :: a(3) !! the first
-      real(dp), intent(in) :: b(3) !! the second
-      real(dp) :: vector_product(3)
-
-      vector_product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function vector_product
 
 end module amontons_obstacle

@@ -51,7 +51,8 @@ contains
          !! a middle node is held otherwise than the corners beside it, or pairs make a ring
       type(sum_t), allocatable :: sums(:)
       type(mortar_pair_t) :: means
-      integer :: i, fault, node, n
+      integer :: i, k, fault, node, n
+      integer, allocatable :: no_ends(:, :)
 
       n = size(constraints%is_free, 1)
       allocate (sums(size(coordinates, 2)))
@@ -72,8 +73,13 @@ contains
       end do
       means%node = rows%node(rows%start(:size(frame, 3)))
       means%frame = frame
+      allocate (no_ends(2, size(sums)), source=0)
       do i = 1, size(means%node)
-         call solve_row(sums(means%node(i)), rows, i, means, spread([0, 0], 2, size(sums)), .false., constraints)
+         call solve_row(sums(means%node(i)), rows, i, means, no_ends, .false., constraints)
+         if (size(coordinates, 1) == 2) cycle
+         associate (middle => means%node(i), ends => rows%node(rows%start(i) + 1:rows%start(i + 1) - 1))
+            if (any([(holds_more(middle, ends(k)), k=1, size(ends))])) fault = middle
+         end associate
       end do
       do i = 1, size(constraints%rigid)
          associate (rigid => constraints%rigid(i))
@@ -85,7 +91,7 @@ contains
       end do
       if (fault > 0) then
          call new_error(error, input_refused, 'a support holds the middle node at '// &
-            place_text(coordinates(:, fault))//' of a slave otherwise than the corners beside it: hold these, too')
+            place_text(coordinates(:, fault))//' otherwise than the corners beside it: hold these, too')
          return
       end if
       do i = 1, size(sums)
@@ -112,6 +118,19 @@ contains
             substitution%block(:, :, first:last) = sums(i)%block
          end associate
       end do
+
+   contains
+
+      !> Whether supports hold a middle node in a direction in which a corner beside it is free.
+      pure logical function holds_more(middle, corner)
+         integer, intent(in) :: middle !! the middle node
+         integer, intent(in) :: corner !! the corner
+
+         associate (free => constraints%free_projector(corner))
+            holds_more = any(abs(matmul(constraints%free_projector(middle), free) - free) > input_rounding)
+         end associate
+      end function holds_more
+
    end subroutine new_pair_substitution
 
    !> Adds the sums of the middle nodes beside points (own unknown plus the mean of the corners), and then those of the
@@ -190,7 +209,7 @@ contains
       ! along the axis with the same normal component (for bonded surfaces with the same component along the axis).
       free = constraints%free_projector(pair%node(p))
       along = free
-      if (.not. (is_tied .or. all(constraints%is_free(:2, pair%node(p))))) then
+      if (size(constraints%place, 1) == 2 .and. .not. (is_tied .or. all(constraints%is_free(:2, pair%node(p))))) then
          associate (axis => constraints%frame(:2, merge(1, 2, constraints%is_free(1, pair%node(p))), pair%node(p)), &
             normal => pair%frame(:2, 1, p))
             along(:2, :2) = spread(axis, 2, 2)*spread(normal, 1, 2)/dot_product(axis, normal)

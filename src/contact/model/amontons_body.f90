@@ -617,10 +617,8 @@ contains
       type(body_t), intent(inout) :: body !! the body
       type(contact_problem_t), intent(out) :: problem !! its contact problem, on an operator of the body
       type(error_t), allocatable, intent(out) :: error !! no room for S, or the cells of multipliers are too small
-      ! Of a piece in the plane: the products of all pieces are summed.
-      integer, parameter :: most_motions = 3
       real(dp), allocatable :: force(:), motion(:)
-      integer :: i
+      integer :: most_motions, i
 
       if (size(body%common_motions, 2) > 0) body%condensation%unnoticed = contact_motions(body)
       call body%condensation%condense_stiffness(error)
@@ -629,6 +627,8 @@ contains
       if (allocated(body%condensation%softness)) problem%softness = body%condensation%softness
       ! Free motions cause no strain: their product with S is the rounding error of the condensation of stiff bodies.
       allocate (force(body%zone%n_rows))
+      ! The products of all pieces are summed.
+      most_motions = maxval(body%motions%n_motions)
       do i = 1, min(most_motions, size(body%travel, 2))
          motion = sum(body%travel(:, i::most_motions), dim=2)
          call problem%matrix%multiply_stiffness(motion, force)
@@ -825,11 +825,11 @@ contains
          !! (u_N; u_T) of the points under each motion (n_rows, motions) [-]
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions of each piece
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
       logical, intent(in) :: is_mated !! whether the nodes of pairs are taken to lie at the points
       logical, allocatable :: is_inside(:)
       real(dp), allocatable :: motion(:, :)
-      real(dp) :: position(2), errors
+      real(dp) :: position(size(coordinates, 1)), errors
       logical :: is_fixed(zone%n_rows)
       integer :: i, j, k, p
 

@@ -6,6 +6,7 @@ module amontons_certificate
    use amontons_body, only: body_t, find_motions
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t
+   use amontons_dense, only: vector_product
    use amontons_equilibrium, only: travel_of_nodes
    use amontons_frame, only: turned
    use amontons_free_boundary, only: corner_overlap, overlap_t
@@ -71,9 +72,9 @@ module amontons_certificate
       real(dp) :: length_scale = 0.0_dp !! scale of gaps and slips: the largest displacement, or more [L]
       real(dp) :: strain_energy = 0.0_dp !! half of stress times elastic strain and of spring force times way [F L]
       real(dp) :: dissipation = 0.0_dp !! work of friction: sum of lambda_T (u_T - a) [F L]
-      real(dp) :: load(2) = 0.0_dp !! resultant of the loads, x and y [F]
-      real(dp) :: reaction(2) = 0.0_dp !! resultant of the support reactions, x and y [F]
-      real(dp) :: contact(2) = 0.0_dp !! resultant of the obstacle's forces on the body, x and y [F]
+      real(dp) :: load(3) = 0.0_dp !! resultant of the loads, along x, y and, in space, z [F]
+      real(dp) :: reaction(3) = 0.0_dp !! resultant of the support reactions [F]
+      real(dp) :: contact(3) = 0.0_dp !! resultant of the obstacle's forces on the body [F]
       type(quantity_t), allocatable :: named(:) !! the forces on the body by name [F]
    contains
       procedure :: energies => certificate_energies
@@ -208,16 +209,18 @@ contains
       real(dp), intent(in) :: work !! the size of the works [F L]
       type(constraints_t) :: constraints
       type(rigid_motions_t), allocatable :: free(:)
+      integer :: n_dim
       real(dp), allocatable :: travel(:, :)
       real(dp) :: of_travel, size_of_travel
 
       violation = relative(abs(missing), work)
       if (.not. violation > suspicious) return
       constraints = body%constraints
-      constraints%is_free(3:, :) = .true.
+      n_dim = size(body%mesh%coordinates, 1)
+      constraints%is_free(n_dim + 1:, :) = .true.
       call find_motions(free, body, constraints, body%springs(:0))
       travel = travel_of_nodes(free, body%mesh%coordinates, displacement)
-      of_travel = sum(travel*(internal - external)) - sum(travel(3:, :)*reaction(3:, :))
+      of_travel = sum(travel*(internal - external)) - sum(travel(n_dim + 1:, :)*reaction(n_dim + 1:, :))
       size_of_travel = max(work, sum(abs(external))*maxval(abs(travel)))
       violation = max(relative(abs(missing - of_travel), work), relative(abs(of_travel), size_of_travel))
    end function energy_violation
@@ -337,12 +340,12 @@ contains
          certificate%length_scale = max(maxval(abs(displacement)), certificate%force_scale &
             /maxval(body%zone%area/body%zone%weight)/maxval([list%young(1), list%young(2), list%young(3)]))
       end associate
-      outside = body%free_boundary%overlap(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, &
-         displacement(:2, :))
-      certificate%penetration_outside = relative(outside%depth, certificate%length_scale)
-      between = corner_overlap(body, load_case%contacts, body%zone, load_case%extra_gap, displacement(:2, :), &
-         unresolved)
-      certificate%penetration_between = relative(between%depth, certificate%length_scale)
+      associate (moved => displacement(:size(body%mesh%coordinates, 1), :))
+         outside = body%free_boundary%overlap(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, moved)
+         certificate%penetration_outside = relative(outside%depth, certificate%length_scale)
+         between = corner_overlap(body, load_case%contacts, body%zone, load_case%extra_gap, moved, unresolved)
+         certificate%penetration_between = relative(between%depth, certificate%length_scale)
+      end associate
       associate (normal => force(:m), tangential => force(m + 1:), &
          bound => load_case%slip_bound + load_case%friction*max(0.0_dp, force(:m)), &
          largest_force => certificate%force_scale, largest_displacement => certificate%length_scale)
@@ -504,14 +507,16 @@ contains
       real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (components, n_nodes) [F]
       real(dp), intent(in) :: reaction(:, :) !! nodal reactions (components, n_nodes) [F]
       real(dp), intent(in) :: springs(:, :) !! nodal forces of the springs (components, n_nodes) [F]
-      real(dp) :: norm, radius, center(2), moment, resultant(2), forces(2), arm(2)
+      real(dp) :: norm, radius
+      real(dp), dimension(size(body%mesh%coordinates, 1)) :: center, resultant, forces, arm
+      real(dp), allocatable :: moment(:)
       integer :: node
 
-      certificate%load = sums%load(:2)
-      certificate%reaction = sums%reaction(:2)
-      certificate%contact = sums%contact(:2)
+      certificate%load(:size(resultant)) = sums%load(:size(resultant))
+      certificate%reaction(:size(resultant)) = sums%reaction(:size(resultant))
+      certificate%contact(:size(resultant)) = sums%contact(:size(resultant))
       norm = max(sums%forces, least_scale)
-      resultant = certificate%load + certificate%reaction + certificate%contact
+      resultant = sums%load(:size(resultant)) + sums%reaction(:size(resultant)) + sums%contact(:size(resultant))
       if (body%is_axisymmetric) resultant(1) = 0.0_dp
       certificate%resultant = relative(norm2(resultant), norm)
       if (body%materials%is_twisted()) certificate%moment = relative(abs(dot_product(body%mesh%coordinates(1, :), &
@@ -519,13 +524,17 @@ contains
       if (body%is_axisymmetric) return
       center = 0.5_dp*(minval(body%mesh%coordinates, dim=2) + maxval(body%mesh%coordinates, dim=2))
       radius = maxval(maxval(body%mesh%coordinates, dim=2) - center)
-      moment = 0.0_dp
+      allocate (moment(merge(3, 1, size(arm) == 3)), source=0.0_dp)
       do node = 1, body%mesh%n_nodes
          forces = loads(:, node) + (reaction(:, node) - springs(:, node)) + contact(:, node)
          arm = body%mesh%coordinates(:, node) - center
-         moment = moment + arm(1)*forces(2) - arm(2)*forces(1)
+         if (size(arm) == 3) then
+            moment = moment + vector_product(arm, forces)
+         else
+            moment = moment + arm(1)*forces(2) - arm(2)*forces(1)
+         end if
       end do
-      certificate%moment = relative(abs(moment), norm*radius)
+      certificate%moment = relative(norm2(moment), norm*radius)
    end subroutine check_resultants
 
    !=certificate `equilibrium` | norm of the unbalanced nodal forces along free directions | largest of the norms of

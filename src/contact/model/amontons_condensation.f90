@@ -190,7 +190,7 @@ contains
       real(dp), allocatable :: transform(:, :)
       real(dp), dimension(size(dof_map%dof, 1), size(dof_map%dof, 1)) :: of_own
       logical :: is_fixed(zone%n_rows)
-      integer, allocatable :: own(:)
+      integer, allocatable :: own(:), axes(:)
       integer :: p, i, k, n_own, axis, l, column, first
 
       if (.not. ieee_is_finite(size_of_stiffness)) then
@@ -218,7 +218,8 @@ contains
                   maxval(condensation%unknown) + 1
             end do
          end do
-         condensation%next = zone%line%next
+         condensation%next = spread(0, 1, zone%n_points)
+         if (allocated(zone%line)) condensation%next = zone%line%next
          allocate (condensation%rows)
          do p = 1, zone%n_points
             do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
@@ -242,23 +243,39 @@ contains
             end do
          end do
       else
-         ! The unknowns of every point and the map from (u_N, u_T) to them. A point that a support guides along
-         ! one direction e has one unknown, u_N / (n . e); the support bears the tangential force, and u_T has no part
-         ! in the problem.
+         ! The unknowns of every point and the map from (u_N, u_T) to them. A point that supports guide along one
+         ! direction e has one unknown, u_N / (n . e); they bear the tangential force, and u_T has no part in the
+         ! problem. One that is guided in a plane has two, for u_N and the slip along that plane.
          first = dof_map%n_dofs - dof_map%n_schur
          do p = 1, zone%n_points
-            associate (frame => constraints%frame(:, :, zone%node(p)), normal => zone%normal(p), &
-               map => condensation%map(:, :, p), unknown => condensation%unknown(:, p))
+            associate (frame => constraints%frame(:, :, zone%node(p)), map => condensation%map(:, :, p), &
+               unknown => condensation%unknown(:, p))
                unknown = max(0, dof_map%dof(:, zone%node(p)) - first)
                map = matmul(transpose(frame), zone%frame(:, :, p))
-               if (.not. zone%is_fixed(1, p)) cycle
-               axis = findloc(dof_map%dof(:2, zone%node(p)) > 0, .true., dim=1)
-               unknown(:2) = [unknown(axis), 0]
-               map(:2, :2) = reshape([1.0_dp/dot_product(normal, frame(:2, axis)), 0.0_dp, 0.0_dp, 0.0_dp], [2, 2])
+               if (.not. any(zone%is_fixed(:size(zone%position, 1) - 1, p))) cycle
+               axes = pack([(k, k=1, size(map, 1))], unknown > 0)
+               own = pack([(k, k=1, size(map, 1))], [.true., .not. zone%is_fixed(:, p)])
+               map = 0.0_dp
+               map(own, own) = inverse(matmul(transpose(zone%frame(:, own, p)), frame(:, axes)))
+               own = unpack(unknown(axes), [.true., .not. zone%is_fixed(:, p)], 0)
+               unknown = own
             end associate
          end do
       end if
    end subroutine map_unknowns
+
+   !> The inverse of a matrix of one or two rows, not singular.
+   pure function inverse(matrix)
+      real(dp), intent(in) :: matrix(:, :) !! the matrix
+      real(dp) :: inverse(size(matrix, 1), size(matrix, 1))
+
+      if (size(matrix, 1) == 1) then
+         inverse = 1.0_dp/matrix
+      else
+         inverse = reshape([matrix(2, 2), -matrix(2, 1), -matrix(1, 2), matrix(1, 1)], [2, 2]) &
+            /(matrix(1, 1)*matrix(2, 2) - matrix(1, 2)*matrix(2, 1))
+      end if
+   end function inverse
 
    !> Makes the condensed stiffness S on (u_N; u_T), unless it is a band. The tangential row of a point whose slip a
    !> support prevents becomes that of a spring of its own that nothing loads: its slip and shear are zero.

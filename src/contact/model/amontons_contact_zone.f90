@@ -8,7 +8,7 @@
 !> contact line: the least norm of the projection of a multiplier of norm 1 onto the traces of the body's displacements.
 !> It depends on mesh, cells and supports alone and lies between 0 and 1.
 module amontons_contact_zone
-   use amontons_boundary, only: new_patch, patch_t
+   use amontons_boundary, only: corner_share, new_patch, patch_t
    use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_cells, only: choose_cells, contact_cells_t, new_contact_cells
    use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t, picked_places
@@ -71,6 +71,8 @@ module amontons_contact_zone
       integer :: n_held_cells = 0 !! number of cells that are no points since supports hold all their nodes
    contains
       procedure :: free_slips => contact_zone_free_slips
+      procedure :: global_vectors => contact_zone_global_vectors
+      procedure :: last_own_part => contact_zone_last_own_part
       procedure :: normal => contact_zone_normal
       procedure :: own_nodes => contact_zone_own_nodes
    end type contact_zone_t
@@ -138,12 +140,12 @@ contains
       type(patch_t) :: patch
       integer :: i
 
-      call new_patch(patch, body%mesh, contact%set, error, body%materials)
+      call new_patch(patch, body%mesh, contact%set, error, body%materials, taken%face)
       if (allocated(error)) return
       if (contact%partition%is_constant) then
          call add_cells(zone, set, contact, patch, body, error)
       else
-         call add_nodes(zone, set, contact%direction, patch, body, taken)
+         call add_nodes(zone, set, contact%direction(:size(patch%normal, 1)), patch, body, taken)
       end if
       if (all(zone%set /= set) .and. all(taken%node(patch%node))) call new_error(error, input_refused, &
          'every node of this contact set belongs to an earlier one; a set meets one obstacle: split its curve '// &
@@ -248,6 +250,28 @@ contains
       free = merge(0.0_dp, slip, [transpose(self%is_fixed)])
    end function contact_zone_free_slips
 
+   !> Vectors of the points from their components along normals and tangents (components, m).
+   pure function contact_zone_global_vectors(self, components) result(vectors)
+      class(contact_zone_t), intent(in) :: self !! the contact points
+      real(dp), intent(in) :: components(:) !! the normal ones, then the tangential ones (n_rows)
+      real(dp) :: vectors(1 + self%n_tangents, self%n_points)
+      integer :: p
+
+      do p = 1, self%n_points
+         vectors(:, p) = matmul(self%frame(:, :, p), components(p::self%n_points))
+      end do
+   end function contact_zone_global_vectors
+
+   !> The last part of a point whose node has results of the point: in space that of the node itself, since the shares
+   !> of others are negative.
+   pure integer function contact_zone_last_own_part(self, point) result(last)
+      class(contact_zone_t), intent(in) :: self !! the contact points
+      integer, intent(in) :: point !! the point
+
+      last = self%rows%start(point + 1) - 1
+      if (.not. allocated(self%line)) last = self%rows%start(point)
+   end function contact_zone_last_own_part
+
    !> The unit normal of a point, towards the obstacle (n_dim) [-].
    pure function contact_zone_normal(self, point) result(normal)
       class(contact_zone_t), intent(in) :: self !! the contact points
@@ -304,7 +328,9 @@ contains
    !>
    !> A corner of a quadratic side on the axis of revolution has no area, since pressures do no work on its shape
    !> function N_a. With a share of that of the middle node, N_a + alpha N_b and (1 - alpha) N_b, both have one: the
-   !> first unknown is the displacement of the corner, the second is (u_b - alpha u_a) / (1 - alpha) in place of u_b.
+   !> first unknown is the displacement of the corner, the second is (u_b - alpha u_a) / (1 - alpha) in place of u_b. On
+   !> quadratic faces in space all corners take a share from all middle nodes beside them (`amontons_boundary`): these
+   !> have (u_b - alpha (u_a + u_c)) / (1 - 2 alpha).
    pure subroutine add_nodes(zone, set, direction, patch, body, taken)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
@@ -312,27 +338,21 @@ contains
       type(patch_t), intent(in) :: patch !! its patch
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(taken_t), intent(in) :: taken !! what earlier sets have
-      ! Rounding error of an area of 0, over the largest one; next to the axis the area may even be negative.
-      real(dp), parameter :: negligible = 1.0e-12_dp
       type(contact_zone_t) :: points
-      real(dp) :: area(patch%n_nodes), normal(size(direction), patch%n_nodes)
+      real(dp) :: area(patch%n_nodes), normal(size(direction), patch%n_nodes), arc_length(patch%n_nodes)
       integer :: point_of(0:patch%n_nodes), kept(patch%n_nodes), corner(patch%n_nodes)
       integer :: i, k, n, n_corners
       integer, allocatable :: own(:), place(:), stand_in(:), beside(:)
+      real(dp), allocatable :: share(:)
       logical :: is_own, points_are_own(patch%n_nodes), has_all_beside(patch%n_nodes)
 
       point_of = 0
       n = 0
       n_corners = 0
       has_all_beside = taken%has_all_beside(patch)
-      area = merge(patch%area, 0.0_dp, patch%area > negligible*maxval(patch%area))
-      do k = 1, patch%n_nodes
-         if (area(k) > 0.0_dp) cycle
-         ! The share of a corner on the axis is negative among the terms of the middle node beside it: with this one the
-         ! pressure on the axis is exact where it is a quadratic function of the radius.
-         beside = patch%line%beside(k)
-         area(k) = min(0.0_dp, sum(max(area(beside), 0.0_dp)*patch%moment(k)/max(patch%moment(beside), tiny(1.0_dp))))
-      end do
+      arc_length = 0.0_dp
+      if (allocated(patch%line)) arc_length = patch%line%arc_length
+      area = bearing_areas(patch)
       normal = patch%normal
       if (any(abs(direction) > 0.0_dp)) normal = spread(unit_vector(direction), 2, patch%n_nodes)
       do k = 1, patch%n_nodes
@@ -350,7 +370,7 @@ contains
                zone%held_node = [zone%held_node, node]
                zone%held_set = [zone%held_set, set]
                zone%held_normal = reshape([zone%held_normal, normal(:, k)], [size(normal, 1), size(zone%held_node)])
-               zone%held_arc_length = [zone%held_arc_length, patch%line%arc_length(k)]
+               zone%held_arc_length = [zone%held_arc_length, arc_length(k)]
             else if (.not. abs(area(k)) > 0.0_dp .or. (area(k) < 0.0_dp .and. .not. is_own)) then
                zone%zero_area_node = [zone%zero_area_node, node]
             else
@@ -370,26 +390,19 @@ contains
          beside = patch%line%beside(corner(i))
          stand_in(i) = maxval(point_of(beside))
       end do
-      zone%mean_point = [zone%mean_point, zone%n_points + pack([(i, i=1, n)], [(any(stand_in == i), i=1, n)])]
-      allocate (points%rows%start(n + 1), place(n + count(stand_in > 0)), points%weight(n), points%area(n))
-      points%rows%start(1) = 1
-      do i = 1, n
-         associate (first => points%rows%start(i), next => points%rows%start(i + 1))
-            next = first + 1 + count(stand_in == i)
-            place(first:next - 1) = [kept(i), pack(corner(:n_corners), stand_in == i)]
-            points%weight(i) = sum(patch%weight(place(first:next - 1)), mask=area(place(first:next - 1))*area(kept(i)) &
-               > 0.0_dp)
-            points%area(i) = sum(area(place(first:next - 1)))
-         end associate
-      end do
+      zone%mean_point = [zone%mean_point, zone%n_points + pack([(i, i=1, n)], [(any(stand_in == i) .or. &
+         (patch%ends(1, kept(i)) > 0 .and. points_are_own(i)), i=1, n)])]
+      call share_areas(points, place, share, patch, area, kept(:n), corner(:n_corners), stand_in)
       own = [(spread(i, 1, points%rows%start(i + 1) - points%rows%start(i)), i=1, n)]
-      allocate (points%line)
-      points%line%next = point_of(patch%line%next(kept(:n)))
+      if (allocated(patch%line)) then
+         allocate (points%line)
+         points%line%next = point_of(patch%line%next(kept(:n)))
+      end if
       points%is_own = points_are_own(:n)
-      points%frame = new_frames(normal(:, kept(:n)), 1 + zone%n_tangents)
+      points%frame = body%constraints%contact_frames(patch%node(kept(:n)), normal(:, kept(:n)))
       points%is_fixed = body%constraints%fixed_tangents(patch%node(kept(:n)), points%frame)
       points%position = body%mesh%coordinates(:, patch%node(kept(:n)))
-      associate (share => area(place)/points%area(own), node => patch%node(place))
+      associate (node => patch%node(place))
          points%rows%node = node
          points%rows%block = points%frame(:, :, own)
          do i = 1, size(own)
@@ -397,7 +410,7 @@ contains
          end do
          points%quadrature = contact_quadrature_t(start=points%rows%start, position=body%mesh%coordinates(:, node), &
             normal=normal(:, kept(own)), outward=sum(normal(:, kept(own))*patch%normal(:, place), dim=1), &
-            arc_length=patch%line%arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
+            arc_length=arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
          points%acting = reshape([(matmul(points%quadrature%position(:, points%rows%start(i):points%rows%start(i + 1) &
             - 1), share(points%rows%start(i):points%rows%start(i + 1) - 1)), i=1, n)], [size(direction), n])
       end associate
@@ -405,6 +418,60 @@ contains
       zone%node = [zone%node, pack(patch%node(kept(:n)), points%is_own)]
       call add_points(zone, set, .false., points)
    end subroutine add_nodes
+
+   !> The areas of the nodes of a patch; that of a corner on the axis is its negative share in the middle node beside
+   !> it.
+   pure function bearing_areas(patch) result(area)
+      type(patch_t), intent(in) :: patch !! the patch
+      real(dp) :: area(patch%n_nodes)
+      ! Rounding error of an area of 0, over the largest one; next to the axis the area may even be negative.
+      real(dp), parameter :: negligible = 1.0e-12_dp
+      integer, allocatable :: beside(:)
+      integer :: k
+
+      area = merge(patch%area, 0.0_dp, patch%area > negligible*maxval(patch%area))
+      do k = 1, patch%n_nodes
+         if (area(k) > 0.0_dp) cycle
+         ! The share of a corner on the axis is negative among the terms of the middle node beside it: with this one the
+         ! pressure on the axis is exact where it is a quadratic function of the radius.
+         beside = patch%line%beside(k)
+         area(k) = min(0.0_dp, sum(max(area(beside), 0.0_dp)*patch%moment(k)/max(patch%moment(beside), tiny(1.0_dp))))
+      end do
+   end function bearing_areas
+
+   !> Finds the nodes whose displacements make up those of the points, with their shares, and the areas of the points.
+   pure subroutine share_areas(points, place, share, patch, area, kept, corner, stand_in)
+      type(contact_zone_t), intent(inout) :: points !! the points; gain weights, areas and the places of their parts
+      integer, allocatable, intent(out) :: place(:) !! the node of each part, by its place in the patch (parts)
+      real(dp), allocatable, intent(out) :: share(:) !! its share; those of a point sum to 1 (parts) [-]
+      type(patch_t), intent(in) :: patch !! the patch
+      real(dp), intent(in) :: area(:) !! areas of its nodes, of a corner on the axis a negative share (n_nodes) [L^2]
+      integer, intent(in) :: kept(:) !! places of the points' nodes in the patch (points)
+      integer, intent(in) :: corner(:) !! those of the corners on the axis (corners)
+      integer, intent(in) :: stand_in(:) !! the point that represents each, too (corners)
+      integer :: i, n
+
+      n = size(kept)
+      allocate (place(n + count(stand_in > 0) + count(patch%ends(:, kept) > 0)))
+      allocate (share(size(place)), points%rows%start(n + 1), points%weight(n), points%area(n))
+      points%rows%start(1) = 1
+      do i = 1, n
+         associate (first => points%rows%start(i), last => points%rows%start(i + 1), node => kept(i))
+            last = first + count(stand_in == i) + count(patch%ends(:, node) > 0)
+            place(first:last) = [node, pack(corner, stand_in == i), pack(patch%ends(:, node), patch%ends(:, node) > 0)]
+            if (patch%ends(1, node) > 0) then
+               points%weight(i) = patch%weight(node)
+               points%area(i) = area(node)
+               share(first:last) = [1.0_dp, -corner_share, -corner_share]/(1.0_dp - 2.0_dp*corner_share)
+            else
+               points%weight(i) = sum(patch%weight(place(first:last)), mask=area(place(first:last))*area(node) > 0.0_dp)
+               points%area(i) = sum(area(place(first:last)))
+               share(first:last) = area(place(first:last))/points%area(i)
+            end if
+            last = last + 1
+         end associate
+      end do
+   end subroutine share_areas
 
    !> The point on a rigid obstacle that an earlier set has at a node, if the line of another set continues that of the
    !> earlier one; 0 at a corner and where there is none.
@@ -436,7 +503,7 @@ contains
       integer, allocatable :: kept(:), point_of(:)
       integer :: k
 
-      call new_contact_cells(cells, body, patch, contact%partition, contact%direction, error)
+      call new_contact_cells(cells, body, patch, contact%partition, contact%direction(:2), error)
       if (allocated(error)) return
       zone%n_held_cells = zone%n_held_cells + count(cells%is_held)
       kept = pack([(k, k=1, cells%n_cells)], .not. cells%is_held)

@@ -88,7 +88,7 @@ contains
    !> n_nodes) [L].
    function travel_of_nodes(free, coordinates, displacement) result(travel)
       type(rigid_motions_t), intent(in) :: free(:) !! the motions of each piece that are free
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
       real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (components, n_nodes) [L]
       real(dp), allocatable :: travel(:, :)
       real(dp), allocatable :: modes(:, :)

@@ -3,7 +3,8 @@
 !>
 !> From each end of a set the boundary is followed, past corners, up to the next contact set or tie. Distances are
 !> measured as at contact points: along the normals of the boundary, for small displacements. A corner of the body is
-!> measured along the normals of both its sides.
+!> measured along the normals of both its sides. In space every node of the boundary that belongs to no contact set is
+!> looked at, along the mean normal of the faces around it.
 !>
 !> Sides are found by the columns that they lie in: bins along the axis in which the boundary is longer.
 module amontons_free_boundary
@@ -12,6 +13,7 @@ module amontons_free_boundary
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t
+   use amontons_face, only: face_t, new_face, set_faces
    use amontons_friction_law, only: open_point
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
@@ -32,7 +34,7 @@ module amontons_free_boundary
    type :: free_node_t
       integer :: node = 0 !! number of the node
       integer :: set = 0 !! the contact set whose obstacle or pair it may meet
-      real(dp) :: normal(2) = 0.0_dp !! unit outward normal of the body, or the set's given direction [-]
+      real(dp), allocatable :: normal(:) !! unit outward normal of the body, or the set's given direction (n_dim) [-]
       integer :: facing(3) = 0
          !! first corner, second corner, middle or 0 of the side of the other body that it faces; 0 with an obstacle
       real(dp) :: share(3) = 0.0_dp !! shape functions of these nodes at the place that it faces [-]
@@ -64,7 +66,7 @@ module amontons_free_boundary
    !> The deepest overlap of some nodes or corners.
    type :: overlap_t
       real(dp) :: depth = 0.0_dp !! the depth; 0 if nothing overlaps by more than a negligible one [L]
-      real(dp) :: place(2) = 0.0_dp !! where, in the shape at rest [L]
+      real(dp), allocatable :: place(:) !! where, in the shape at rest; not allocated where nothing overlaps (n_dim) [L]
       integer :: set = 0 !! number of the contact set, 0 for none
    end type overlap_t
 
@@ -125,13 +127,71 @@ contains
 
       allocate (boundary%nodes(0), boundary%ends(0))
       if (size(contacts) == 0) return
+      if (size(body%mesh%coordinates, 1) == 3) then
+         call add_nodes_in_space(boundary, body, contacts)
+         return
+      end if
       call new_outline(outline, body, contacts, ties)
       do i = 1, size(contacts)
          call outline%choose(i, contacts(i), body%mesh, zone)
-         call add_nodes(boundary, outline, i, 1, contacts(i)%direction, body%constraints, zone)
-         call add_nodes(boundary, outline, i, 2, contacts(i)%direction, body%constraints, zone)
+         call add_nodes(boundary, outline, i, 1, contacts(i)%direction(:2), body%constraints, zone)
+         call add_nodes(boundary, outline, i, 2, contacts(i)%direction(:2), body%constraints, zone)
       end do
    end subroutine new_free_boundary
+
+   !> Adds the nodes of a solid's boundary that belong to no contact set and that supports leave free along the normal.
+   subroutine add_nodes_in_space(boundary, body, contacts)
+      type(free_boundary_t), intent(inout) :: boundary !! the free boundary
+      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(free_node_t), allocatable :: found(:)
+      type(face_t), allocatable :: faces(:)
+      type(face_t) :: face
+      type(error_t), allocatable :: error
+      integer, allocatable :: taken(:)
+      logical :: is_taken(body%mesh%n_nodes)
+      real(dp) :: normal(3, body%mesh%n_nodes)
+      integer :: i, k, n, node
+
+      allocate (taken(0))
+      is_taken = .false.
+      do i = 1, size(contacts)
+         ! not raised: the contact zone has been made of these sets
+         call set_faces(faces, body%mesh, contacts(i)%set, error)
+         taken = [taken, faces%number]
+         do k = 1, size(faces)
+            is_taken(faces(k)%node(:faces(k)%n_nodes)) = .true.
+         end do
+      end do
+      normal = 0.0_dp
+      do i = 1, size(body%outer)
+         if (any(taken == body%outer(i))) cycle
+         associate (element => side_element(body%outer(i)))
+            call new_face(face, [body%mesh%side(element, side_place(body%outer(i))), element], body%mesh)
+         end associate
+         do k = 1, face%n_nodes
+            normal(:, face%node(k)) = normal(:, face%node(k)) + sum(face%outward, dim=2)
+         end do
+      end do
+      allocate (found(size(contacts)*count(.not. is_taken)))
+      n = 0
+      do i = 1, size(contacts)
+         do node = 1, body%mesh%n_nodes
+            if (is_taken(node) .or. .not. any(abs(normal(:, node)) > 0.0_dp)) cycle
+            associate (outward => unit_vector(normal(:, node)), direction => contacts(i)%direction)
+               if (.not. (body%constraints%leaves_free(node, outward) .or. body%constraints%rigid_of(node) > 0)) cycle
+               n = n + 1
+               found(n)%node = node
+               found(n)%set = i
+               found(n)%normal = outward
+               if (.not. any(abs(direction) > 0.0_dp)) cycle
+               found(n)%normal = unit_vector(direction)
+               if (dot_product(unit_vector(direction), outward) < steepest_cosine) n = n - 1
+            end associate
+         end do
+      end do
+      boundary%nodes = found(:n)
+   end subroutine add_nodes_in_space
 
    !> Lists the sides of the boundary, and which of them contact sets and ties have.
    pure subroutine new_outline(outline, body, contacts, ties)
@@ -476,7 +536,7 @@ contains
    pure subroutine measure_node(node, contact, position, gap, is_met)
       type(free_node_t), intent(in) :: node !! the node
       type(contact_t), intent(in) :: contact !! its contact set, the obstacle where it is now
-      real(dp), intent(in) :: position(2) !! position of the node [L]
+      real(dp), intent(in) :: position(:) !! position of the node (n_dim) [L]
       real(dp), intent(out) :: gap !! the distance, negative inside [L]
       logical, intent(out) :: is_met !! whether its normal meets the obstacle or the other body
       real(dp) :: cosine
@@ -520,9 +580,9 @@ contains
       class(free_boundary_t), intent(in) :: self !! the free boundary
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
       logical, intent(in) :: lies_outside(:) !! which nodes count (n)
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
-      real(dp) :: x(2), way(2), depth, gap, least
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (n_dim, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (n_dim, n_nodes) [L]
+      real(dp) :: x(size(coordinates, 1)), way(size(coordinates, 1)), depth, gap, least
       logical :: is_met
       integer :: i, k
 
@@ -603,6 +663,8 @@ contains
       real(dp) :: largest, least
       integer :: i, k, j, l, p
 
+      ! Obstacles in space have no corners.
+      if (size(displacement, 1) == 3) return
       largest = maxval(abs(displacement))
       least = max(negligible*largest, difference_rounding*maxval(abs(body%mesh%coordinates)))
       do i = 1, size(contacts)

@@ -253,7 +253,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! a boundary that faces away, an overlap larger than the body, or a negative friction
       real(dp), parameter :: out_of_reach = 1.0e3_dp
-      real(dp) :: corners(2, 2), size_of_body, extent, gap, cosine
+      real(dp) :: corners(size(mesh%coordinates, 1), 2), size_of_body, extent, gap, cosine, weight
       integer :: p, i, q
       character(:), allocatable :: hint
       logical :: is_met
@@ -292,10 +292,14 @@ contains
                   load_case%gap(p) = load_case%gap(p) + share*gap
                   load_case%extra_gap(p) = load_case%extra_gap(p) &
                      + share*contact%extra_gap%at(position, quadrature%arc_length(q))
+                  ! A node with shares of others, which are negative, has the friction at its own place.
+                  weight = share
+                  if (.not. (zone%is_cell(p) .or. contact%pairing%is_pair())) weight = merge(1.0_dp, 0.0_dp, &
+                     q == quadrature%start(p))
                   load_case%friction(p) = load_case%friction(p) &
-                     + share*contact%friction%at(position, quadrature%arc_length(q))
+                     + weight*contact%friction%at(position, quadrature%arc_length(q))
                   load_case%slip_bound(p) = load_case%slip_bound(p) &
-                     + share*contact%slip_bound%at(position, quadrature%arc_length(q))*zone%area(p)
+                     + weight*contact%slip_bound%at(position, quadrature%arc_length(q))*zone%area(p)
                end associate
             end do
          end associate
@@ -451,8 +455,9 @@ contains
          k = parting%friction(body%zone%set(p))
          if (parting%is_coefficient(k)) then
             family%friction(p, k) = 1.0_dp
-            family%friction(p, 1) = dot_product(load_case%contacts(body%zone%set(p))%friction%slope, &
-               body%zone%position(:, p))
+            associate (slope => load_case%contacts(body%zone%set(p))%friction%slope, x => body%zone%position(:, p))
+               family%friction(p, 1) = dot_product(slope(:size(x)), x)
+            end associate
          else
             family%friction(p, k) = load_case%friction(p)
          end if
@@ -638,9 +643,9 @@ contains
       type(error_t), allocatable, intent(out) :: error !! names support, node and set
       type(contact_t), allocatable :: contacts(:)
       character(:), allocatable :: support
-      real(dp) :: place(2), push, gap, cosine
+      real(dp) :: place(size(body%mesh%coordinates, 1)), push, gap, cosine
       logical :: is_met
-      integer :: i, k
+      integer :: i, k, axis
 
       if (size(body%zone%held_node) == 0) return
       contacts = self%contacts_of(acting)
@@ -648,9 +653,8 @@ contains
          associate (node => body%zone%held_node(i), contact => contacts(body%zone%held_set(i)), &
             normal => body%zone%held_normal(:, i))
             place = body%mesh%coordinates(:, node)
-            push = dot_product(normal, [(dot_product(acting%factor, [(self%parts(k)%prescribed(1, node), k=1, &
-               size(self%parts))])), dot_product(acting%factor, [(self%parts(k)%prescribed(2, node), k=1, &
-               size(self%parts))])])
+            push = dot_product(normal, [(dot_product(acting%factor, [(self%parts(k)%prescribed(axis, node), k=1, &
+               size(self%parts))]), axis=1, size(place))])
             call contact%obstacle%measure(place, normal, gap, is_met, cosine)
             gap = gap + contact%extra_gap%at(place, body%zone%held_arc_length(i))
             ! Meshes lie in obstacles by the rounding of their files.

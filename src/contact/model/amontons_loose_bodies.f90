@@ -145,7 +145,7 @@ contains
       ! What meshes of curves leave of such a motion.
       real(dp), parameter :: negligible = 1.0e-3_dp
       real(dp), allocatable :: modes(:, :), across(:, :)
-      real(dp) :: normals(2, body%zone%n_points)
+      real(dp) :: normals(size(body%zone%position, 1), body%zone%n_points)
       integer :: k, p
 
       normals = round_normals(body%zone)
@@ -153,8 +153,8 @@ contains
       across = 0.0_dp*modes(:body%zone%n_points, :)
       associate (m => body%zone%n_points)
          do k = 0, body%zone%n_tangents
-            across = across + spread(sum(normals*body%zone%frame(:2, k + 1, :), dim=1), 2, size(modes, 2)) &
-               *modes(k*m + 1:(k + 1)*m, :)
+            across = across + spread(sum(normals*body%zone%frame(:size(normals, 1), k + 1, :), dim=1), 2, &
+               size(modes, 2))*modes(k*m + 1:(k + 1)*m, :)
          end do
          amounts = null_vectors(across(pack([(p, p=1, m)], is_in_reach), :), negligible*norm2(modes, dim=1))
          if (.not. any(abs(matmul(body%rigid_modes(:m, :), amounts)) > computed_rounding)) amounts = amounts(:, :0)
@@ -164,7 +164,8 @@ contains
    end subroutine find_round_motions
 
    !> The normals of the points on the circles through each point and its neighbors; where the line is straight, ends or
-   !> turns by more than 35 degrees, those of the facets (2, m) [-]. A circle of twelve sides turns by 30.
+   !> turns by more than 35 degrees, and in space, those of the facets (n_dim, m) [-]. A circle of twelve sides turns by
+   !> 30.
    pure function round_normals(zone) result(normals)
       type(contact_zone_t), intent(in) :: zone !! the contact points; a cell keeps the normal of its sides
       real(dp), allocatable :: normals(:, :)
@@ -172,7 +173,7 @@ contains
       real(dp) :: before(2), after(2), tangent(2), lengths
       integer :: p, q, r
 
-      normals = zone%frame(:2, 1, :)
+      normals = zone%frame(:size(zone%position, 1), 1, :)
       if (.not. allocated(zone%line)) return
       do q = 1, zone%n_points
          p = zone%line%next(q)

@@ -20,12 +20,14 @@ module amontons_named_forces
    public :: find_responses, force_form_t, force_test_t, force_values, named_quantities, named_tests, &
       new_force_form, set_named_values
 
-   !> Components of a force: along the normal and the tangent of a contact line, along x and y, the moment about the
-   !> origin, counter-clockwise, and that about the axis of a twisted body.
-   integer, parameter :: normal = 1, tangential = 2, along_x = 3, along_y = 4, moment = 5, torque = 6
+   !> Components of a force: along the normal and the tangent of a contact line, along x, y and z, the moment about the
+   !> origin, counter-clockwise, that about the axis of a twisted body, and those about the origin in space. A contact
+   !> face has no tangent of its own.
+   integer, parameter :: normal = 1, tangential = 2, along_x = 3, along_y = 4, along_z = 5, moment = 6, torque = 7, &
+      moment_x = 8, moment_z = 10
    !> Their names in files.
-   character(10), parameter :: component_names(*) = [character(10) :: 'normal', 'tangential', 'x', 'y', 'moment', &
-      'torque']
+   character(10), parameter :: component_names(*) = [character(10) :: 'normal', 'tangential', 'x', 'y', 'z', 'moment', &
+      'torque', 'moment_x', 'moment_y', 'moment_z']
    !> Names of the kinds in files, in the order of `of_contact`, `of_support`, `of_tie`.
    character(8), parameter :: kind_names(*) = [character(8) :: 'force', 'reaction', 'tie']
 
@@ -57,13 +59,16 @@ contains
       type(body_t), intent(in) :: body !! the body
       integer, allocatable :: list(:, :)
       integer :: component, i
-      logical :: is_cut
+      logical :: is_cut, in_space
 
+      in_space = size(body%mesh%coordinates, 1) == 3
       allocate (list(2, 0))
       do i = 1, size(body%named)
          is_cut = body%named(i)%kind == of_tie
          if (is_cut) is_cut = body%ties(body%named(i)%member(1))%lead > 0
-         do component = normal, torque
+         do component = normal, moment_z
+            if (in_space .and. any(component == [tangential, moment, torque])) cycle
+            if (.not. in_space .and. (component == along_z .or. component >= moment_x)) cycle
             if (component <= tangential .and. body%named(i)%kind /= of_contact .and. .not. is_cut) cycle
             if (is_cut .and. all(component /= [tangential, moment, torque])) cycle
             if (body%is_axisymmetric .and. (any(component == [along_x, moment]) .or. is_cut .and. component &
@@ -172,7 +177,7 @@ contains
       integer, intent(in) :: component !! the component
       type(mortar_points_t) :: points
       real(dp), allocatable :: motion(:, :)
-      real(dp) :: middle(2)
+      real(dp) :: middle(size(body%mesh%coordinates, 1))
       logical, allocatable :: is_meant(:)
       integer :: i, p
 
@@ -218,17 +223,28 @@ contains
    !> The rigid motion on which the work is a component of the force (components, nodes).
    pure function rigid_motion(component, positions, n_components) result(motion)
       integer, intent(in) :: component !! the component
-      real(dp), intent(in) :: positions(:, :) !! where (2, any) [L]
+      real(dp), intent(in) :: positions(:, :) !! where (n_dim, any) [L]
       integer, intent(in) :: n_components !! number of components of a displacement
       real(dp) :: motion(n_components, size(positions, 2))
+      integer :: next, last
 
       motion = 0.0_dp
-      if (component == along_x) motion(1, :) = 1.0_dp
-      if (component == along_y) motion(2, :) = 1.0_dp
-      if (component == torque) motion(3, :) = positions(1, :)
-      if (component /= moment) return
-      motion(1, :) = -positions(2, :)
-      motion(2, :) = positions(1, :)
+      select case (component)
+      case (along_x:along_z)
+         motion(1 + component - along_x, :) = 1.0_dp
+      case (torque)
+         motion(3, :) = positions(1, :)
+      case (moment)
+         motion(1, :) = -positions(2, :)
+         motion(2, :) = positions(1, :)
+      case (moment_x:moment_z)
+         next = 1 + modulo(component - moment_x + 1, 3)
+         last = 1 + modulo(next, 3)
+         motion(next, :) = -positions(last, :)
+         motion(last, :) = positions(next, :)
+      case default
+         ! Sums of normal and tangential forces are no work on a motion.
+      end select
    end function rigid_motion
 
    !> Coefficients of the contact forces in a component of the force that some contact sets exert on the body, for pairs

@@ -314,7 +314,7 @@ contains
 
       associate (state => result%stepping%state)
          followed = [contact_peaks(body, state%solution, state%instant%motion), resultants(state%solution%force, &
-            body%zone%n_points), model%probe_names, model%named]
+            body%zone%n_points, .not. allocated(body%zone%line)), model%probe_names, model%named]
       end associate
       energies = energies_of(result%stepping%state)
       list = [energies(:3), energies(5), quantity_t('max_slip_accumulated', 'Max. accumulated slip', max(0.0_dp, &
@@ -323,7 +323,7 @@ contains
       do i = 1, merge(size(followed), 0, size(result%extremes) > 0)
          do k = 1, 2
             ! The least pressure, shear and slip of a whole line are of no interest.
-            if (k == 1 .and. followed(i)%has_place) cycle
+            if (k == 1 .and. followed(i)%n_dim > 0) cycle
             list = [list, quantity_t(lower_case(trim(extreme_words(k)))//'_'//followed(i)%key, &
                trim(extreme_words(k))//' '//lower_case(followed(i)%label(:1))//followed(i)%label(2:), &
                result%extremes(i, k), max(tiny(1.0_dp), largest_of(followed(i)%dimension), merge(largest_of('F') &
@@ -790,7 +790,7 @@ contains
       end associate
       outcome%numbers = [quantity_t('iterations', '', real(result%stepping%n_iterations, dp)), &
          quantity_t('residual', '', result%worst(of_residual)%value), result%last%key_results, &
-         resultants(result%last%solution%force, size(result%last%solution%status))]
+         resultants(result%last%solution%force, size(result%last%solution%status), result%last%lengths%are_areas)]
       outcome%has_grids = result%last%is_complete
       if (result%last%is_complete) call outcome%judge(.true., result%worst(of_residual)%value, &
          result%last%earlier_violation, self%config%method%tolerance, result%last%condition)

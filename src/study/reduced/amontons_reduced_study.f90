@@ -455,7 +455,7 @@ contains
       type(quantity_t), allocatable :: sums(:)
 
       associate (solution => result%solution, system => result%system)
-         sums = resultants([system%r(1::system%dimension), system%r(2::system%dimension)], system%n_contacts)
+         sums = resultants([system%r(1::system%dimension), system%r(2::system%dimension)], system%n_contacts, .false.)
          if (system%dimension == 3) sums = sums(:1)
          call add_head(summary, config, config%method%method, solution_word(solution%is_converged, &
             result%check%largest() <= certificate_limit(config%method%tolerance)), result%warnings)

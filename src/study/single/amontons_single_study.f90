@@ -117,7 +117,7 @@ contains
       outcome%text = solved_text(config%name, result, config%units)
       outcome%warnings = result%warnings
       outcome%numbers = [method_numbers(result%solution), result%key_results, resultants( &
-         result%solution%force, size(result%solution%status))]
+         result%solution%force, size(result%solution%status), result%lengths%are_areas)]
       outcome%has_grids = result%solution%is_converged
       call outcome%judge(result%solution%is_converged, result%solution%residual, result%certificate%largest(), &
          config%method%tolerance, result%condition)
@@ -128,7 +128,7 @@ contains
       character(*), intent(in) :: name !! name of the case
       type(result_t), intent(in) :: result !! the result
       character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
+      character(:), allocatable :: text, dimension
 
       text = solution_line(name, result%solution)
       if (size(result%solution%status) == 0) then
@@ -136,8 +136,10 @@ contains
             number(value_of(result%key_results, 'max_von_mises'), 'F/L^2')//', displacement '// &
             number(value_of(result%key_results, 'max_displacement'), 'L')
       else
-         text = text//'; open '//number(result%lengths%open, 'L')//', slip '//number(result%lengths%slip, 'L')// &
-            ', stick '//number(result%lengths%stick, 'L')//'; '//closed_text(result%solution%status)// &
+         dimension = trim(merge('L^2', 'L  ', result%lengths%are_areas))
+         text = text//'; open '//number(result%lengths%open, dimension)//', slip '// &
+            number(result%lengths%slip, dimension)//', stick '//number(result%lengths%stick, dimension)//'; '// &
+            closed_text(result%solution%status)// &
             ', peak pressure '//number(value_of(result%key_results, 'max_contact_pressure'), 'F/L^2')
       end if
 

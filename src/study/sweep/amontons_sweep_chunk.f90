@@ -138,7 +138,8 @@ contains
       type(quantity_t), intent(in) :: peaks(:) !! `body_peaks` and forces by name, if the deck asks for them
       type(quantity_t), allocatable :: list(:)
 
-      list = [at_points%lengths%quantities(), resultants(solution%force, body%zone%n_points), at_points%peaks, &
+      list = [at_points%lengths%quantities(), resultants(solution%force, body%zone%n_points, &
+         .not. allocated(body%zone%line)), at_points%peaks, &
          at_points%sets, peaks]
    end function case_quantities
 
@@ -166,7 +167,7 @@ contains
       call new_contact_solution(solution, body%zone%n_points, body%zone%n_tangents)
       zeros = 0.0_dp
       call new_contact_results(at_points, body, solution, zeros, zeros)
-      peaks = body_peaks_at_rest()
+      peaks = body_peaks_at_rest(size(body%mesh%coordinates, 1))
       if (.not. sweep%has_body_results) peaks = peaks(:0)
       if (sweep%has_forces) peaks = [peaks, named_quantities(body)]
       list = case_quantities(body, solution, at_points, peaks)
@@ -588,7 +589,7 @@ contains
       integer :: first, i, k, n
 
       n = chunk%last - chunk%first + 1
-      peaks = spread(body_peaks_at_rest(), 2, n)
+      peaks = spread(body_peaks_at_rest(size(body%mesh%coordinates, 1)), 2, n)
       if (.not. task%sweep%has_body_results) then
          peaks = peaks(:0, :)
          return
