@@ -399,6 +399,7 @@ contains
          call check_name(.false., config%ties(i)%origin, config%ties(i)%set)
          call check_name(.false., config%ties(i)%origin, config%ties(i)%to)
       end do
+      if (size(mesh%coordinates, 1) == 3) call refuse_in_space(faults, config)
       if (faults%n > 0) call new_error(error, input_refused, faults%text())
 
    contains
@@ -423,5 +424,26 @@ contains
       end subroutine check_name
 
    end subroutine check_names
+
+   !> Records what is not possible with solids yet.
+   subroutine refuse_in_space(faults, config)
+      type(fault_list_t), intent(inout) :: faults !! gains a line of text for each
+      type(config_t), intent(in) :: config !! the case
+      character(*), parameter :: sentence = ' of solids is not possible yet'
+      integer :: i
+
+      do i = 1, size(config%contacts)
+         if (config%contacts(i)%pairing%is_pair()) call faults%add(0, config%contacts(i)%origin// &
+            'contact between two solids is not possible yet: give one of them a rigid obstacle instead')
+      end do
+      do i = 1, size(config%ties)
+         call faults%add(0, config%ties(i)%origin//'a tie'//sentence)
+      end do
+      do i = 1, size(config%rigid_sets)
+         call faults%add(0, config%rigid_sets(i)%motion%origin//'a rigid set'//sentence)
+      end do
+      if (size(config%sweep%axes) > 0) call faults%add(0, config%file//': a sweep'//sentence)
+      if (config%history%is_given) call faults%add(0, config%file//': a history'//sentence)
+   end subroutine refuse_in_space
 
 end module amontons_config

@@ -57,9 +57,10 @@ class Result:
         self.summary = json.loads((directory / f"{name}.summary.json").read_text(encoding="utf-8"),
                                   parse_constant=finite)
         with open(directory / f"{name}.contact.csv", newline="", encoding="utf-8") as table:
-            rows = list(csv.DictReader(table))
-        self.columns = {column: [row[column] if column == "status" else finite(row[column]) for row in rows]
-                        for column in COLUMNS}
+            reader = csv.DictReader(table)
+            rows, names = list(reader), reader.fieldnames
+        self.columns = {column: [row[column] if column in ("status", "pair") else finite(row[column]) for row in rows]
+                        for column in names}
 
     def __getitem__(self, column):
         return self.columns[column]

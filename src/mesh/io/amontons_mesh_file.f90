@@ -314,10 +314,6 @@ contains
       else
          call new_rectangle_mesh(mesh, part%rectangle, error)
       end if
-      if (.not. allocated(error)) then
-         if (size(mesh%coordinates, 1) == 3) call new_error(error, input_refused, part%file// &
-            ': its elements are solids, which are read, but not computed yet')
-      end if
       if (allocated(error)) error%message = part%place//error%message
       if (allocated(error)) return
       do node = 1, mesh%n_nodes

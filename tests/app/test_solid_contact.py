@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""Solids on rigid obstacles: against an independent code, the plane and equilibrium."""
+import math
+import unittest
+
+from harness import ProgramTest, block
+
+TOP = "support set = 'top'  ux = 0.02  uy = 0.005  uz = -0.05"
+FLOOR = "contact set = 'bottom'  friction = 0.3"
+# Normal force, and tangential force along x, of a cube of 4 x 4 x 4 cells whose top is moved, by a code of its own; of
+# tetrahedra with six in a cell.
+CUBES = {"hex8": (5.3940e-2, 5.465782e-3), "hex20": (5.3376e-2, 5.183580e-3), "tet10": (5.3375e-2, 5.21992e-3)}
+
+
+def solid(*groups, size="1.0, 1.0, 1.0", cells="4, 4, 4", element="hex8", material="young = 1.0  poisson = 0.3"):
+    """The deck of a box."""
+    mesh = f"kind = 'box'  size = {size}  cells = {cells}  element = '{element}'"
+    return block(*groups, mesh=mesh, material=material)
+
+
+class SolidContact(ProgramTest):
+    """Contact of solids."""
+
+    def solve_verified(self, deck, name="case"):
+        """Solves a case, whose files must be verified."""
+        result = self.solve(deck, name)
+        self.run_program("--verify", ".")
+        return result
+
+    def test_cube_has_the_forces_of_another_code(self):
+        for element, (normal, along) in CUBES.items():
+            with self.subTest(element):
+                result = self.solve_verified(solid(TOP, FLOOR, element=element))
+                key = result.summary["key_results"]
+                # The digits that are known.
+                self.assertAlmostEqual(key["contact_force_z"], normal, delta=1e-6)
+                self.assertAlmostEqual(key["contact_force_x"], -along, delta=6e-9)
+                self.assertEqual(set(result["status"]), {"stick", "slip"})
+                areas = result.summary["areas"]
+                self.assertAlmostEqual(areas["slip_area"] + areas["stick_area"], 1.0, delta=1e-12)
+
+    def test_layer_is_the_plane(self):
+        held, material = "support set = 'right'  ux = 0.0", "young = 13000.0  poisson = 0.2"
+        for friction in (1.0, 0.4, 0.2):
+            floor = f"contact set = 'bottom'  friction = {friction}"
+            plane = self.solve(block(held, "load set = 'left'  traction = 10.0, 0.0", floor,
+                                     "load set = 'top'  traction = 0.0, -5.0", material=material,
+                                     mesh="size = 40.0, 40.0  cells = 16, 8"), "plane")
+            layer = self.solve_verified(solid(
+                held, "support set = 'front'  uy = 0.0", "support set = 'back'  uy = 0.0", floor,
+                "load set = 'left'  traction = 10.0, 0.0, 0.0", "load set = 'top'  traction = 0.0, 0.0, -5.0",
+                size="40.0, 1.0, 40.0", cells="16, 1, 8", material=material), "layer")
+            rows = list(zip(layer["x"], layer["force_x"], layer["force_z"], layer["status"]))
+            for x, shear, normal, status in zip(plane["x"], plane["tangential_force"], plane["normal_force"],
+                                                plane["status"]):
+                both = [row for row in rows if abs(row[0] - x) < 1e-9]
+                self.assertEqual(len(both), 2)
+                # Of forces of up to 50 two routes through different factors leave some 1e-12.
+                self.assertAlmostEqual(sum(row[2] for row in both), normal, delta=5e-9)
+                self.assertAlmostEqual(abs(sum(row[1] for row in both)), abs(shear), delta=5e-9)
+                for row in both:
+                    self.assertEqual(row[3], status.rstrip("+-"), x)
+
+    def test_pushed_block_is_held_by_friction_along_the_push_and_no_more(self):
+        angle = math.radians(37.0)
+        for push, status in ((0.19, 0), (0.21, 2)):
+            deck = solid(f"load set = 'top'  traction = {push*math.cos(angle)}, {push*math.sin(angle)}, -1.0",
+                         "contact set = 'bottom'  friction = 0.2", size="2.0, 2.0, 1.0", cells="4, 4, 2",
+                         material="young = 1000.0  poisson = 0.3")
+            run = self.run_program("--quiet", self.write("case.nml", deck), status=status)
+            if status:
+                self.assertIn("contact and friction cannot balance the loads; the body is free to translate along"
+                              " (1.0, 0.7536", run.stderr)
+                continue
+            key = self.result("case").summary["key_results"]
+            # Forces of 4 in equilibrium to 1e-10 of them.
+            self.assertAlmostEqual(key["contact_force_z"], 4.0, delta=1e-9)
+            self.assertAlmostEqual(key["contact_force_x"], -4.0*push*math.cos(angle), delta=1e-9)
+            self.assertAlmostEqual(key["contact_force_y"], -4.0*push*math.sin(angle), delta=1e-9)
+
+    def test_what_is_not_possible_yet_is_refused(self):
+        for group, sentence in (("tie set = 'left'  to = 'right'", "a tie of solids is not possible yet"),
+                                ("contact set = 'left'  against = 'right'", "contact between two solids is not"),
+                                ("rigid name = 'grip'  set = 'left'", "a rigid set of solids is not possible yet"),
+                                ("sweep friction = 0.1, 0.2", "a sweep of solids is not possible yet"),
+                                ("history times = 0.0, 1.0", "a history of solids is not possible yet")):
+            run = self.run_program("--check", self.write("case.nml", solid(TOP, FLOOR, group)), status=1)
+            self.assertIn(sentence, run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
