@@ -94,6 +94,11 @@ class Case:
         """What it is: 'body', 'sweep' or 'reduced'."""
         return next((kind for kind, key in (("sweep", "sweep"), ("reduced", "problem")) if key in self.summary), "body")
 
+    @property
+    def is_solid(self) -> bool:
+        """Whether it is a body in space, which no picture shows yet."""
+        return self.kind == "body" and self.mesh.cells[0][0].startswith(("tetra", "hexahedron"))
+
     @cached_property
     def mesh(self) -> Grid:
         """The body, NAME.vtu."""

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]  # of numbers
-KINDS = {1: "vertex", 3: "line", 5: "triangle", 9: "quad", 22: "triangle6", 23: "quad8", 28: "quad9"}
+KINDS = {1: "vertex", 3: "line", 5: "triangle", 9: "quad", 22: "triangle6", 23: "quad8", 28: "quad9",
+         10: "tetra", 12: "hexahedron", 24: "tetra10", 25: "hexahedron20"}
 TYPES = {"Float64": "<f8", "Int32": "<i4"}
 LENGTH = 8  # bytes: an array stands behind its length
 

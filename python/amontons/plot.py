@@ -232,6 +232,9 @@ def main(arguments: Sequence[str]) -> int:
             if not case.has_state:
                 print(f"plot: {path}: {case.summary['outcome'].replace('_', ' ')}, nothing to draw", file=sys.stderr)
                 continue
+            if case.is_solid:
+                print(f"plot: {path}: there are no pictures of solids yet; ParaView opens {path}.vtu", file=sys.stderr)
+                continue
             drawn = figure(case, options.panels, options.field, scale=options.scale, abscissa=options.abscissa,
                            size=options.size)
             save(drawn, path, options.format)

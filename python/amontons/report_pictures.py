@@ -30,6 +30,9 @@ HEIGHTS, ROOM = (1.4, 1.0, 1.0), 0.25
 def pictures_of(case: Case, name: str) -> tuple[list[str], str]:
     """The pictures of a case, and a small one for the table; the name is unique in the page."""
     label = html.escape(case.heading, quote=True)
+    if case.is_solid:
+        residuals = _residuals(case, name, label)
+        return [residuals], _thumbnail(residuals)
     if case.kind == "body":
         small, *pictures = _body(case, name, label)
         return pictures, small

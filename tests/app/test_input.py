@@ -80,6 +80,13 @@ class Input(ProgramTest):
         self.assertGreater(len(inside), middle)
         self.assertEqual(set(contact["status"][len(inside):]), {"open"})
 
+    def test_block_in_space_is_in_equilibrium(self):
+        key = json.loads((self.directory / "solid_block.summary.json").read_text(encoding="utf-8"))["key_results"]
+        # Statics, to rounding of forces of 40 000.
+        for name, exact in (("contact_force_x", -6400.0), ("contact_force_y", -4800.0), ("contact_force_z", 40000.0),
+                            ("contact_centroid_x", 23.2), ("contact_centroid_y", 12.4)):
+            self.assertAlmostEqual(key[name], exact, delta=1e-9*abs(exact), msg=name)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -232,6 +232,19 @@ class Pictures(ProgramTest):
         warning = '<p class="verdict amber"><b>warning</b><span>contact set &#x27;bottom&#x27;: friction of 2.5'
         self.assertEqual(page.count(warning), 1)
 
+    def test_a_solid_has_no_picture_but_that_of_its_residuals(self):
+        self.write("cube.nml", block("support set = 'top'  ux = 0.0  uy = 0.0  uz = -0.01", CONTACT,
+                                     mesh="kind = 'box'  size = 1.0, 1.0, 1.0  cells = 2, 2, 2",
+                                     material="young = 1.0  poisson = 0.3"))
+        self.run_program("--quiet", "--output", "space", "cube.nml")
+        run = self.script("plot", "space")
+        self.assertEqual((run.stdout, run.stderr),
+                         ("", "plot: space/cube: there are no pictures of solids yet; ParaView opens space/cube.vtu\n"))
+        self.script("report", "space")
+        page = (self.directory / "space" / "report.html").read_text(encoding="utf-8")
+        self.assertIn("1 case: 1 green, 0 amber, 0 red.", page)
+        self.assertIn("cube: residuals", page)
+
     def test_a_case_without_equilibrium_has_its_message(self):
         self.write("fine.nml", block(SUPPORT, PRESSURE, CONTACT))
         self.write("lifted.nml", block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0"))

@@ -544,6 +544,20 @@ class Grids(ProgramTest):
         self.assertEqual([kind for kind, _ in amontons.read_grid(self.directory / "mixed.vtu").cells],
                          ["triangle6", "quad8"])
 
+    def test_solids_have_kinds_of_their_own(self):
+        kinds = {"tet4": "tetra", "tet10": "tetra10", "hex8": "hexahedron", "hex20": "hexahedron20"}
+        for element, kind in kinds.items():
+            self.write(f"{element}.nml", block(
+                "support set = 'top'  ux = 0.0  uy = 0.0  uz = -0.01", CONTACT,
+                mesh=f"kind = 'box'  size = 1.0, 1.0, 1.0  cells = 2, 2, 2  element = '{element}'",
+                material="young = 1.0  poisson = 0.3"))
+            self.run_program("--quiet", f"{element}.nml")
+            expected, n_points, n_cells = read_vtu(self.contents()[f"{element}.vtu"])
+            grid = amontons.read_grid(self.directory / f"{element}.vtu")
+            self.assertEqual(([name for name, _ in grid.cells], grid.points.shape, len(grid.cells[0][1])),
+                             ([kind], (n_points, 3), n_cells))
+            self.assertEqual(grid.cells[0][1].flatten().tolist(), list(expected["connectivity"]))
+
 
 class Commands(ProgramTest):
     """`python -m amontons`, as far as it goes without pictures."""
