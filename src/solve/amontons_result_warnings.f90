@@ -419,24 +419,26 @@ contains
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
       real(dp), intent(out) :: strain !! its size, over the distance [-]
       integer, intent(out) :: at !! one of the two nodes; 0 if there is no strain
-      real(dp), dimension(2, max_corners) :: x, u
-      real(dp) :: distance(2), elongation
-      integer :: element, i, k, n, node
+      real(dp), dimension(size(mesh%coordinates, 1), max_corners) :: x, u
+      real(dp) :: distance(size(mesh%coordinates, 1)), elongation, square
+      integer :: element, i, k, n, n_dim, node
 
       strain = 0.0_dp
       at = 0
+      n_dim = size(distance)
       do element = 1, mesh%n_elements
          n = n_corners(mesh%element_kind(element))
          do i = 1, n
             node = mesh%node(mesh%node_start(element) - 1 + i)
             x(:, i) = mesh%coordinates(:, node)
-            u(:, i) = displacement(:2, node)
+            u(:, i) = displacement(:n_dim, node)
             do k = 1, i - 1
                distance = x(:, i) - x(:, k)
                ! Times the distance, whose square an element's area has in it, too.
-               elongation = abs((u(1, i) - u(1, k))*distance(1) + (u(2, i) - u(2, k))*distance(2))
-               if (.not. exceeds(elongation, strain*(distance(1)**2 + distance(2)**2))) cycle
-               strain = elongation/(distance(1)**2 + distance(2)**2)
+               elongation = abs(dot_product(u(:, i) - u(:, k), distance))
+               square = dot_product(distance, distance)
+               if (.not. exceeds(elongation, strain*square)) cycle
+               strain = elongation/square
                at = node
             end do
          end do
