@@ -32,9 +32,9 @@ program build_body
    call check(error)
 
    call new_load(loads(1), 'left')
-   loads(1)%traction = [10.0_dp, 0.0_dp]
+   loads(1)%traction(:2) = [10.0_dp, 0.0_dp]
    call new_load(loads(2), 'top')
-   loads(2)%traction = [0.0_dp, -5.0_dp]
+   loads(2)%traction(:2) = [0.0_dp, -5.0_dp]
    call solve_body(body, problem, supports, contacts, loads, method_options_t(), result, error)
    call check(error)
    call print_floor(body, result)
@@ -42,7 +42,7 @@ program build_body
    call write_report('results', label, body, result, error)
    call check(error)
 
-   loads(1)%traction = [15.0_dp, 0.0_dp]
+   loads(1)%traction(:2) = [15.0_dp, 0.0_dp]
    call solve_body(body, problem, supports, contacts, loads, method_options_t(), result, error)
    call check(error)
    print '(a, 3f7.2)', 'pushed harder; open, slip, stick:', result%lengths%open, &

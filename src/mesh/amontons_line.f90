@@ -1,5 +1,5 @@
-!> Lines: in the plane the faces and nodes of a boundary set, cells of constant multipliers and contact points follow
-!> each other. In space they have no order, and who asks for a line finds none.
+!> Lines of members that follow each other: in the plane the faces and nodes of a boundary set, cells of constant
+!> multipliers and contact points. In space they have no order, and who asks for a line finds none.
 module amontons_line
    use amontons_kinds, only: dp
    implicit none (type, external)
