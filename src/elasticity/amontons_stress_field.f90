@@ -265,10 +265,11 @@ contains
    pure function extrapolation(kind, n_points) result(weights)
       integer, intent(in) :: kind !! kind of element
       integer, intent(in) :: n_points !! number of quadrature points
-      real(dp) :: weights(max_nodes, max_points), terms(max_corners), xi(size(node_coordinates(kind, 1))), unused
-      real(dp), allocatable :: at_points(:, :), normal(:, :), right(:, :)
+      real(dp) :: weights(max_nodes, max_points), terms(max_corners), unused
+      real(dp), allocatable :: at_points(:, :), normal(:, :), right(:, :), xi(:)
       integer :: n_terms, i, info
 
+      xi = node_coordinates(kind, 1)
       n_terms = min(n_points, n_corners(kind))
       allocate (at_points(n_terms, n_points))
       do i = 1, n_points
