@@ -445,15 +445,15 @@ contains
       type(master_line_t) :: line
       real(dp), allocatable :: moved(:, :)
       integer :: i, n_lines
-      integer, allocatable :: segments(:, :), lone(:), cells(:), offsets(:)
+      integer, allocatable :: segments(:, :), lone(:), cells(:), offsets(:), types(:)
       logical, allocatable :: is_lone(:)
 
       call contact_columns(columns, body, result)
-      allocate (cells(0), offsets(0))
+      allocate (cells(0), offsets(0), types(0))
       if (allocated(body%zone%line)) then
          call new_master_line(line, body%zone)
       else
-         call new_contact_faces(cells, offsets, line, body, result%load_case%contacts)
+         call new_contact_faces(cells, offsets, types, line, body, result%load_case%contacts)
       end if
       associate (zone => body%zone)
          ! Segments from point to point, then points without a neighbor.
@@ -508,15 +508,15 @@ contains
          call vtk%put_cells(joined(zone%position, body%mesh%coordinates(:, line%node)), &
             [segments, zone%n_points + [line%segment], lone, cells], &
             [(2*i, i=1, n_lines), (2*n_lines + i, i=1, size(lone)), offsets], &
-            [spread(vtk_line, 1, n_lines), spread(vtk_vertex, 1, size(lone)), vtk_face_type(offsets &
-            - [0, offsets(:size(offsets) - 1)])])
+            [spread(vtk_line, 1, n_lines), spread(vtk_vertex, 1, size(lone)), types])
       end associate
    end subroutine show_contact_line
 
    !> Finds the contact faces of a solid. Their nodes that are no contact points follow the points.
-   pure subroutine new_contact_faces(cells, offsets, line, body, contacts)
+   pure subroutine new_contact_faces(cells, offsets, types, line, body, contacts)
       integer, allocatable, intent(out) :: cells(:) !! the nodes of each face, by their numbers in the grid
       integer, allocatable, intent(out) :: offsets(:) !! where they end (faces)
+      integer, allocatable, intent(out) :: types(:) !! their kinds, by VTK's numbers (faces)
       type(master_line_t), intent(out) :: line !! the nodes that are no contact points, without segments
       type(body_t), intent(in) :: body !! the body
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
@@ -524,7 +524,7 @@ contains
       type(error_t), allocatable :: error
       integer :: place(body%mesh%n_nodes), set, i, k, p
 
-      allocate (cells(0), offsets(0), line%node(0), line%set(0), line%segment(2, 0), line%normal(3, 0))
+      allocate (cells(0), offsets(0), types(0), line%node(0), line%set(0), line%segment(2, 0), line%normal(3, 0))
       associate (rows => body%zone%rows)
          do set = 1, size(contacts)
             ! not raised: the contact zone has been made of these sets
@@ -550,6 +550,7 @@ contains
                associate (face => patch%faces(i))
                   cells = [cells, place(face%node(:face%n_nodes))]
                   offsets = [offsets, size(cells)]
+                  types = [types, vtk_face_type(face%n_nodes)]
                end associate
             end do
          end do
