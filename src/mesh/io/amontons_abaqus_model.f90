@@ -362,13 +362,23 @@ contains
 
       n = count(places > 0)
       associate (model => raw%model)
-         allocate (model%supports(model%n_conditions), model%loads(model%n_conditions))
+         ! Counted first: flang 19 cannot assign an empty list to itself.
          n_supports = 0
          n_loads = 0
          do i = 1, model%n_conditions
             associate (given => model%conditions(i))
                if (index(given%load%set, '*') == 1) given%is_ended = given%is_ended .or. &
                   size(members_of(raw, given%load%set)) == 0
+               if (given%is_ended) cycle
+               n_supports = n_supports + merge(1, 0, any(given%is_held))
+               n_loads = n_loads + merge(0, 1, any(given%is_held))
+            end associate
+         end do
+         allocate (model%supports(n_supports), model%loads(n_loads))
+         n_supports = 0
+         n_loads = 0
+         do i = 1, model%n_conditions
+            associate (given => model%conditions(i))
                if (given%is_ended) cycle
                if (any(given%is_held)) then
                   n_supports = n_supports + 1
@@ -384,8 +394,6 @@ contains
                end if
             end associate
          end do
-         model%supports = model%supports(:n_supports)
-         model%loads = model%loads(:n_loads)
       end associate
    end subroutine keep_conditions
 
