@@ -17,11 +17,11 @@ SUMMARY = ".summary.json"
 ENDINGS = (SUMMARY, ".contact.csv", ".contact.vtu", ".sweep.csv", ".sweep.pvd", ".deck.nml", ".vtu", ".lst")
 # What numbers are measured in, in length L and force F, by what their names begin with or contain; the first that fits.
 DIMENSIONS = tuple((re.compile(pattern), dimension) for pattern, dimension in (
-    ("^(reaction|force|tie)_(moment|torque)_", "F L"), ("^(reaction|force|tie)_(x|y|normal|tangential)_", "F"),
-    ("^factor_|^friction", ""), ("strain_energy_density|pressure|shear|stress|mises|swt$", "F/L²"),
+    ("^(reaction|force|tie)_(moment|torque)_", "F L"), ("^(reaction|force|tie)_([xyz]|normal|tangential)_", "F"),
+    ("^factor_|^friction", ""), ("_area$", "L²"), ("strain_energy_density|pressure|shear|stress|mises|swt$", "F/L²"),
     ("error_norm", "√(F L)"), ("moment|torque|work_|energy|dissipation|closing_loss", "F L"), ("force", "F"),
     ("ruiz_2", "F²/L³"), ("ruiz_1|wear_integral", "F/L"), ("wear_volume", "L³"), ("wear_depth", "L"),
-    ("_length|_width|centroid|displacement|slip|gap|^shift_|^u([xy]|theta)_|^rigid_.*_u[xy]$|shortening$|jump", "L"),
+    ("_length|_width|centroid|displacement|slip|gap|^shift_|^u([xyz]|theta)_|^rigid_.*_u[xyz]$|shortening$|jump", "L"),
     ("", "")))
 
 

@@ -1,5 +1,5 @@
-"""Draws sweeps: the zones of the contact line, or a column of the table, over one quantity, or as maps over two; and
-the forces of reduced problems."""
+"""Draws sweeps: the zones of the contact line or faces, or a column of the table, over one quantity, or as maps over
+two; and the forces of reduced problems."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -13,7 +13,9 @@ from amontons.cases import Case, CaseFault, dimension_of
 from amontons.draw_line import PRESSURE, SHEAR, Canvas, count_abscissas
 from amontons.grid import Array
 
-ZONES = {"open_length": "#D55E00", "slip_length": "#0072B2", "stick_length": "#009E73"}
+# The zones of contact lines, and of solids those of contact faces.
+ZONES = {f"{zone}_{measure}": color for measure in ("length", "area")
+         for zone, color in (("open", "#D55E00"), ("slip", "#0072B2"), ("stick", "#009E73"))}
 BETWEEN = 0.5  # of the way to the next value a cell of a map ends
 
 
@@ -45,7 +47,7 @@ class Study:
     def limits(self) -> tuple[float, float]:
         """The values of the first and the last color of maps: those of zones have the whole line in common."""
         if self.columns[0] in ZONES:
-            return 0.0, max((sum(value_in(row, zone) for zone in ZONES) for row in self.rows
+            return 0.0, max((sum(value_in(row, zone) for zone in ZONES if zone in row) for row in self.rows
                              if row["outcome"] == "solved"), default=1.0)
         values = [value for row in self.rows if np.isfinite(value := value_in(row, self.columns[0]))] or [0.0]
         return min(values), max(values)
@@ -53,7 +55,7 @@ class Study:
 
 def study_of(case: Case, field: Optional[str] = None) -> Study:
     """What is drawn of a sweep over one or two quantities; of more, the first two that vary, the others at their first
-    values. The field is the column that is drawn, the zones of the contact line by default."""
+    values. The field is the column that is drawn, the zones by default."""
     summary, rows = case.summary, case.table("sweep")
     if field is not None and field not in rows[0]:
         raise CaseFault(f"{case.path}.sweep.csv: no column '{field}'; the columns are: {', '.join(rows[0])}")
@@ -66,7 +68,8 @@ def study_of(case: Case, field: Optional[str] = None) -> Study:
         title += f"; {n_left} of {len(rows)} cases NOT SOLVED"
     is_map = len(names) > 1 and not any(quantity["paired"] for quantity in summary["quantities"])
     over = tuple(names[:2]) if is_map else (names[0] if len(names) == 1 else "case", )
-    return Study(case, rows, tuple(ZONES) if field is None else (field, ), over, title)
+    columns = tuple(zone for zone in ZONES if zone in rows[0]) if field is None else (field, )
+    return Study(case, rows, columns, over, title)
 
 
 def draw_curves(axes: Canvas, study: Study) -> None:
@@ -77,8 +80,8 @@ def draw_curves(axes: Canvas, study: Study) -> None:
                   marker="." if len(study.rows) < 100 else None, color=ZONES.get(column, PRESSURE), linestyle=style,
                   label=column.replace("_", " ") if len(study.columns) > 1 else None)
     case, column = study.case, study.columns[0]
-    axes.set(xlabel=quantity(name), ylabel=case.label("length", "L") if column in ZONES and len(study.columns) > 1 else
-             case.label(column.replace("_", " "), dimension_of(column)))
+    words = column.split("_")[1] if len(study.columns) > 1 else column.replace("_", " ")
+    axes.set(xlabel=quantity(name), ylabel=case.label(words, dimension_of(column)))
     if len(study.columns) > 1:
         axes.legend(frameon=False)
 

@@ -23,12 +23,13 @@ from amontons.report_pictures import pictures_of
 from amontons.verdicts import COLORS, verdict_of, violations
 
 MANY = 8  # cases: from here on all cores draw
-PARTS = ("lengths", "resultants", "counts")
+PARTS = ("lengths", "areas", "resultants", "counts")
 FILES = (".lst", ".contact.csv", ".sweep.csv", ".history.csv", ".points.csv", ".summary.json", ".vtu", ".contact.vtu",
          ".sweep.pvd", ".history.pvd", ".deck.nml")
 FAILED = ("refused", "numerical_failure", "system_failure", "interrupted")  # outcomes that leave no results
 SHOWN = ("max_contact_pressure", "max_von_mises", "max_displacement", "max_slip", "contact_width", "contact_width_1",
-         "contact_width_2", "contact_width_3", "slip_length", "stick_length", "normal_force", "residual")
+         "contact_width_2", "contact_width_3", "slip_length", "stick_length", "slip_area", "stick_area", "normal_force",
+         "residual")
 NAMES = ("case.name", "case.title")  # keys that say nothing of the body
 LONGEST_LIST = 4  # values: the first of a longer list are taken
 MOST_SHOWN = 4  # keys of the decks in the table; it sorts and draws by the others, too

@@ -166,7 +166,7 @@ contains
    pure real(dp) function inner_work(mesh, materials, displacement, element_load) result(work)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: element_load(:)
          !! what acts inside the elements, from `sum_element_loads` [-], [L]
       type(element_geometry_t) :: geometry

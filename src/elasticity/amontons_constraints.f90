@@ -63,7 +63,7 @@ module amontons_constraints
          !! sets that move as rigid bodies: the own unknowns of their leading nodes are those of the motion; the
          !! components of all others count as held
       integer, allocatable :: rigid_of(:) !! the set that each node belongs to, 0 for none (n_nodes)
-      real(dp), allocatable :: place(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), allocatable :: place(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
       integer, allocatable :: holder(:, :)
          !! number of the support that holds each of them; 0 for none (components, n_nodes)
       real(dp), allocatable :: skew(:, :, :)
@@ -660,7 +660,7 @@ contains
    !> P^T f: nodal forces on the nodes' own unknowns.
    pure function substitution_forces(self, forces) result(own)
       class(substitution_t), intent(in) :: self !! the substitution
-      real(dp), intent(in) :: forces(:, :) !! f, nodal forces (2, n_nodes) [F]
+      real(dp), intent(in) :: forces(:, :) !! f, nodal forces (components, n_nodes) [F]
       real(dp), allocatable :: own(:, :)
       integer :: node, i
 

@@ -1,6 +1,7 @@
 !> Faces of the boundary, in the plane its sides, with one quadrature: loads, foundations, areas and normals are sums
 !> over its points.
 module amontons_face
+   use amontons_dense, only: vector_product
    use amontons_element, only: max_nodes, n_fine_points, n_side_points, quad4, quad8, quadrature_point, &
       shape_functions, side_abscissa, side_shapes, side_weight, tri3, tri6
    use amontons_error, only: error_t
@@ -129,8 +130,7 @@ contains
             face%values(:, point) = values(:n)
             face%position(:, point) = matmul(x, values(:n))
             tangents = matmul(x, transpose(derivatives(:, :n)))
-            face%outward(:, point) = weight*(cshift(tangents(:, 1), 1)*cshift(tangents(:, 2), 2) &
-               - cshift(tangents(:, 1), 2)*cshift(tangents(:, 2), 1))
+            face%outward(:, point) = weight*vector_product(tangents(:, 1), tangents(:, 2))
          end do
       end associate
    end subroutine integrate_face

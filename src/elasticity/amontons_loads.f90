@@ -136,7 +136,7 @@ contains
          end do
       end do
       if (area > 0.0_dp) then
-         if (any(abs(load%total_force) > 0.0_dp)) load%traction = load%total_force/area
+         if (any(abs([load%total_force, load%total_moment]) > 0.0_dp)) load%traction = load%total_force/area
          load%torque_traction = load%torque/polar_moment
          if (any(abs(load%total_moment) > 0.0_dp)) call spread_total_moment(load, faces, centroid/area)
       else

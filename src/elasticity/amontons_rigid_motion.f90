@@ -111,7 +111,7 @@ contains
       real(dp), intent(inout) :: gram(:, :) !! Gram matrix of the directions held (motions, motions)
       type(rigid_motions_t), intent(in) :: motions !! the piece
       logical, intent(in) :: is_here(:) !! whether each node belongs to it (n_nodes)
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides; they hold what they resist
       real(dp), allocatable :: row(:), motion(:, :), unit(:, :)
@@ -243,7 +243,7 @@ contains
       type(rigid_motions_t), intent(inout) :: motions !! the piece; gains the parts
       real(dp), allocatable, intent(out) :: gram(:, :) !! Gram matrix of the directions held (motions, motions)
       integer, intent(in) :: part(:) !! the part that each node belongs to
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
       integer, intent(in) :: links(:, :) !! pairs of nodes of the piece, and number of the joint between them (3, links)
       real(dp), intent(in) :: jumps(:, :) !! direction of each jump (2, jumps) [-]
       integer, allocatable :: number(:)
@@ -368,7 +368,7 @@ contains
    !> The displacements of all nodes under a combination of the free motions of all pieces (components, n_nodes) [L].
    pure function displacement_of_nodes(motions, coordinates, amounts) result(displacement)
       type(rigid_motions_t), intent(in) :: motions(:) !! the motions of each piece
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
       real(dp), intent(in) :: amounts(:) !! amount of each, piece after piece (n_free of all) [L]
       real(dp), allocatable :: displacement(:, :)
       integer :: first, i, k

@@ -439,10 +439,6 @@ contains
       do i = 1, size(config%ties)
          call faults%add(0, config%ties(i)%origin//'a tie'//sentence)
       end do
-      do i = 1, size(config%rigid_sets)
-         call faults%add(0, config%rigid_sets(i)%motion%origin//'a rigid set'//sentence)
-      end do
-      if (size(config%sweep%axes) > 0) call faults%add(0, config%file//': a sweep'//sentence)
       if (config%history%is_given) call faults%add(0, config%file//': a history'//sentence)
    end subroutine refuse_in_space
 

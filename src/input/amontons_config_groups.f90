@@ -377,9 +377,9 @@ contains
       call visitor%flag(key_t('twist', &
          "with `hypothesis = 'axisymmetric'`: whether the body may twist about its axis; the"// &
          ' same for all materials', default='`.false.`', also='torsion'), material%is_twisted)
-      call visitor%word(key_t('formulation', "of all elements but `tri3`: `'b-bar'` is right where the material is"// &
-         " nearly incompressible; `'auto'` is `'b-bar'` for a Poisson's ratio of 0.49 or more"), material%formulation, &
-         formulation_names)
+      call visitor%word(key_t('formulation', "of all elements but `tri3` and `tet4`: `'b-bar'` is right where the"// &
+         " material is nearly incompressible; `'auto'` is `'b-bar'` for a Poisson's ratio of 0.49 or more"), &
+         material%formulation, formulation_names)
       call visitor%real(key_t('density', 'mass per volume, for `gravity` and `angular_speed` of `&load`', 'M/L³', &
          at_least=0.0_dp, also='rho mass'), material%density)
       call visitor%list(key_t('expansion', 'coefficient of thermal expansion, for `temperature` of `&load`; with'// &

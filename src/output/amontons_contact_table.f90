@@ -23,7 +23,7 @@ module amontons_contact_table
       integer :: n_nodes = 0 !! number of nodes
       integer, allocatable :: node(:) !! the nodes (n_nodes)
       integer, allocatable :: set(:) !! the contact set that each belongs to (n_nodes)
-      real(dp), allocatable :: normal(:, :) !! unit outward normals of the masters there (2, n_nodes) [-]
+      real(dp), allocatable :: normal(:, :) !! unit outward normals of the masters there (n_dim, n_nodes) [-]
       integer, allocatable :: segment(:, :) !! places in `node` of the ends of each line segment (2, segments)
    contains
       procedure :: forces => master_line_forces

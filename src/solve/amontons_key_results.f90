@@ -535,7 +535,7 @@ contains
    !> The largest displacement and the largest von Mises stress of the nodes.
    pure function body_peaks(mesh, displacement, stress) result(list)
       type(mesh_t), intent(in) :: mesh !! the mesh
-      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacements of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: stress(:, :) !! stress at each node (n_strains, n_nodes) [F/L^2]
       type(quantity_t) :: list(2)
 

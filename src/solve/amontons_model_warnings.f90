@@ -3,7 +3,7 @@ module amontons_model_warnings
    use amontons_body, only: body_t, bonds_of, poor_inf_sup
    use amontons_contact_set, only: line_field_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_element, only: tri3
+   use amontons_element, only: n_element_nodes
    use amontons_error, only: error_t, warning_list_t
    use amontons_history, only: history_t, stepped_friction
    use amontons_kinds, only: dp
@@ -116,26 +116,28 @@ contains
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
-      logical :: locks(body%mesh%n_elements), is_triangle(body%mesh%n_elements)
-      character(:), allocatable :: material
+      logical :: locks(body%mesh%n_elements), is_simplex(body%mesh%n_elements)
+      character(:), allocatable :: material, simplex
 
-      associate (list => body%materials%list, of_element => body%materials%of_element)
-         is_triangle = body%mesh%element_kind == tri3
-         locks = list(of_element)%locks() .and. (is_triangle .or. .not. list(of_element)%is_b_bar)
+      associate (list => body%materials%list, of_element => body%materials%of_element, &
+         n_dim => size(body%mesh%coordinates, 1))
+         is_simplex = n_element_nodes(body%mesh%element_kind) == n_dim + 1
+         simplex = trim(merge('tri3', 'tet4', n_dim == 2))
+         locks = list(of_element)%locks() .and. (is_simplex .or. .not. list(of_element)%is_b_bar)
          material = " of a nearly incompressible material (Poisson's ratio "//short_text(maxval(list%poisson(1)))//') '
+         if (any(locks .and. is_simplex)) call warnings%add(to_text(count(locks .and. is_simplex))// &
+            ' linear elements ('//simplex//')'//material//'lock: stresses and forces are too large, by far near '// &
+            '0.5; use '//trim(merge('tri6 or quadrilaterals', 'tet10 or hexahedra    ', n_dim == 2)))
       end associate
-      if (any(locks .and. is_triangle)) call warnings%add(to_text(count(locks .and. is_triangle))// &
-         ' linear elements (tri3)'//material//'lock: stresses and forces are too large, by far near 0.5; '// &
-         'use tri6 or quadrilaterals')
-      if (any(locks .and. .not. is_triangle)) call warnings%add(to_text(count(locks .and. .not. is_triangle))// &
+      if (any(locks .and. .not. is_simplex)) call warnings%add(to_text(count(locks .and. .not. is_simplex))// &
          ' elements'//material//'are of the standard formulation: linear ones lock, and the stresses of quadratic '// &
          "ones alternate; use formulation = 'b-bar'")
       associate (poisson => minval(body%materials%list%poisson(1)))
          if (poisson < 0.0_dp) call warnings%add("Poisson's ratio of "//short_text(poisson)// &
             '; negative ratios are rare')
       end associate
-      if (any(body%materials%list%formulation == 'b-bar') .and. all(is_triangle)) call warnings%add( &
-         "formulation = 'b-bar' has no effect: all elements of the mesh are tri3")
+      if (any(body%materials%list%formulation == 'b-bar') .and. all(is_simplex)) call warnings%add( &
+         "formulation = 'b-bar' has no effect: all elements of the mesh are "//simplex)
       if (any(load_case%loads%target == load_by_temperature) .and. .not. &
          any(abs(body%materials%list%largest_expansion()) > 0.0_dp)) call warnings%add( &
          'temperature has no effect: no material has a coefficient of thermal expansion')

@@ -217,7 +217,7 @@ contains
    pure subroutine add_far_slips(warnings, zone, displacement, status)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       integer, intent(in) :: status(:) !! status of each point (m)
       ! Distances below half of a side are not resolved by the pressures.
       real(dp), parameter :: far = 0.5_dp
@@ -389,7 +389,7 @@ contains
    pure subroutine add_size_warnings(warnings, body, displacement)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp) :: strain, largest
       integer :: node, at
 
@@ -416,7 +416,7 @@ contains
    !> Finds the largest change of distance between two corners of an element, over the distance.
    pure subroutine find_largest_strain(mesh, displacement, strain, at)
       type(mesh_t), intent(in) :: mesh !! the mesh
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(out) :: strain !! its size, over the distance [-]
       integer, intent(out) :: at !! one of the two nodes; 0 if there is no strain
       real(dp), dimension(size(mesh%coordinates, 1), max_corners) :: x, u
@@ -462,7 +462,7 @@ contains
       type(warning_list_t), intent(inout) :: warnings !! gains the warning
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its load case
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), parameter :: negligible = 0.1_dp
       real(dp), allocatable :: at_points(:)
       real(dp) :: depth

@@ -51,7 +51,7 @@ module amontons_solve_case
       type(contact_solution_t) :: solution !! its solution
       type(uniqueness_t) :: uniqueness !! the friction below which it is the only one
       integer, allocatable :: set(:) !! which contact set each point belongs to (m)
-      real(dp), allocatable :: position(:, :) !! coordinates of the points (2, m) [L]
+      real(dp), allocatable :: position(:, :) !! coordinates of the points (n_dim, m) [L]
       real(dp), allocatable :: area(:) !! their tributary areas (m) [L^2]
    contains
       procedure :: prolong => state_prolong

@@ -245,6 +245,19 @@ class Pictures(ProgramTest):
         self.assertIn("1 case: 1 green, 0 amber, 0 red.", page)
         self.assertIn("cube: residuals", page)
 
+    def test_a_sweep_of_a_solid_has_the_areas_of_its_zones(self):
+        self.write("rows.nml", block("support set = 'top'  ux = 0.01  uy = 0.0  uz = -0.01", CONTACT,
+                                     "sweep friction = 0.1, 0.2, 0.4", mesh="kind = 'box'  size = 1.0, 1.0, 1.0  "
+                                     "cells = 2, 2, 2", material="young = 1.0  poisson = 0.3"))
+        self.run_program("--quiet", "--output", "rows", "rows.nml")
+        self.assertEqual(self.script("plot", "rows", "--format", "svg").stdout, "rows/rows.svg\n")
+        picture = (self.directory / "rows" / "rows.svg").read_text(encoding="utf-8")
+        for words in ("open area", "slip area", "stick area"):
+            self.assertIn(words, picture)
+        self.script("report", "rows")
+        page = (self.directory / "rows" / "report.html").read_text(encoding="utf-8")
+        self.assertIn("rows: sweep", page)
+
     def test_a_case_without_equilibrium_has_its_message(self):
         self.write("fine.nml", block(SUPPORT, PRESSURE, CONTACT))
         self.write("lifted.nml", block(SUPPORT, CONTACT, "load set = 'top'  traction = 0.0, 1.0"))

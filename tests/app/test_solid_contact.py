@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Solids on rigid obstacles: against an independent code, the plane and equilibrium."""
+import csv
 import math
 import unittest
 
@@ -7,6 +8,7 @@ from harness import ProgramTest, block
 
 TOP = "support set = 'top'  ux = 0.02  uy = 0.005  uz = -0.05"
 FLOOR = "contact set = 'bottom'  friction = 0.3"
+ROUGH = "contact set = 'bottom'  friction = 0.5"
 # Normal force, and tangential force along x, of a cube of 4 x 4 x 4 cells whose top is moved, by a code of its own; of
 # tetrahedra with six in a cell.
 CUBES = {"hex8": (5.3940e-2, 5.465782e-3), "hex20": (5.3376e-2, 5.183580e-3), "tet10": (5.3375e-2, 5.21992e-3)}
@@ -26,6 +28,11 @@ class SolidContact(ProgramTest):
         result = self.solve(deck, name)
         self.run_program("--verify", ".")
         return result
+
+    def rows(self, name):
+        """The rows of a sweep."""
+        with open(self.directory / f"{name}.sweep.csv", newline="", encoding="utf-8") as table:
+            return list(csv.DictReader(table))
 
     def test_cube_has_the_forces_of_another_code(self):
         for element, (normal, along) in CUBES.items():
@@ -78,11 +85,56 @@ class SolidContact(ProgramTest):
             self.assertAlmostEqual(key["contact_force_x"], -4.0*push*math.cos(angle), delta=1e-9)
             self.assertAlmostEqual(key["contact_force_y"], -4.0*push*math.sin(angle), delta=1e-9)
 
+    def test_total_moment_is_the_moment_and_no_force(self):
+        push = "load set = 'top'  total_moment = 0.02, -0.03, 0.05"
+        for element in CUBES:
+            with self.subTest(element):
+                result = self.solve_verified(solid("load set = 'top'  pressure = 1.0", push, ROUGH,
+                                                   size="2.0, 1.0, 1.0", element=element))
+                key = result.summary["key_results"]
+                # Moments about the origin; the pressure of 1 acts in the middle of 2 x 1. To rounding of forces of 2.
+                expected = {"force_x": 0.0, "force_y": 0.0, "force_z": 2.0, "moment_x": 1.0 - 0.02,
+                            "moment_y": -2.0 + 0.03, "moment_z": -0.05}
+                for name, exact in expected.items():
+                    self.assertAlmostEqual(key[f"contact_{name}"], exact, delta=1e-12, msg=name)
+
+    def test_rigid_sets_obey_statics_also_where_they_share_the_rim_of_the_contact(self):
+        grip = "rigid name = 'grip'  set = '{}'  force = 0.1, 0.0, -1.0  moment = 0.02, -0.3, 0.01"
+        for side, place in (("left", (0.0, 0.5, 0.5)), ("top", (1.0, 0.5, 1.0))):
+            for element in CUBES:
+                with self.subTest(side, element=element):
+                    result = self.solve_verified(solid(
+                        grip.format(side), "load set = 'right'  traction = 0.0, 0.0, -1.0", ROUGH,
+                        size="2.0, 1.0, 1.0", cells="4, 2, 2", element=element))
+                    key = result.summary["key_results"]
+                    # On the grip, and 1 on the right end at (2, 1/2, 1/2); to rounding of moments of 2.
+                    expected = {"force_x": -0.1, "force_y": 0.0, "force_z": 2.0,
+                                "moment_x": -(0.02 - place[1] - 0.5),
+                                "moment_y": -(-0.3 + place[2]*0.1 + place[0] + 2.0),
+                                "moment_z": -(0.01 - place[1]*0.1)}
+                    for name, exact in expected.items():
+                        self.assertAlmostEqual(key[f"contact_{name}"], exact, delta=1e-11, msg=name)
+                    self.assertAlmostEqual(key["rigid_grip_force_x"], 0.1, delta=1e-11)
+
+    def test_row_of_a_sweep_is_the_case(self):
+        rest = ("load set = 'top'  pressure = 1.0", FLOOR)
+        for element in CUBES:
+            with self.subTest(element):
+                sweep = solid(*rest, "load name = 'push'  set = 'top'  traction = 0.2, 0.1, 0.0",
+                              "sweep load = 'push'  factor = 0.0, 0.5, 2.0", element=element)
+                self.run_program("--quiet", self.write("rows.nml", sweep))
+                row = self.rows("rows")[1]
+                case = self.solve(solid(*rest, "load set = 'top'  traction = 0.1, 0.05, 0.0", element=element)).summary
+                for name, value in {**case["key_results"], **case["areas"]}.items():
+                    if name in row:
+                        # Loads that are summed after their condensation differ by rounding.
+                        self.assertAlmostEqual(float(row[name]), value, delta=1e-12*max(1.0, abs(value)), msg=name)
+                self.assertEqual(self.rows("rows")[2]["outcome"], "no_equilibrium")
+                self.run_program("--verify", ".")
+
     def test_what_is_not_possible_yet_is_refused(self):
         for group, sentence in (("tie set = 'left'  to = 'right'", "a tie of solids is not possible yet"),
                                 ("contact set = 'left'  against = 'right'", "contact between two solids is not"),
-                                ("rigid name = 'grip'  set = 'left'", "a rigid set of solids is not possible yet"),
-                                ("sweep friction = 0.1, 0.2", "a sweep of solids is not possible yet"),
                                 ("history times = 0.0, 1.0", "a history of solids is not possible yet")):
             run = self.run_program("--check", self.write("case.nml", solid(TOP, FLOOR, group)), status=1)
             self.assertIn(sentence, run.stderr)

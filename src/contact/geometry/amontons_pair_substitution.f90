@@ -46,7 +46,7 @@ contains
       type(contact_rows_t), intent(in) :: rows !! rows of the points on rigid obstacles that are means over nodes
       real(dp), intent(in) :: frame(:, :, :) !! their normals and tangents (n_components, n_components, any) [-]
       type(constraints_t), intent(in) :: constraints !! the supports
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes, for messages (2, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes, for messages (n_dim, n_nodes) [L]
       type(error_t), allocatable, intent(out) :: error
          !! a middle node is held otherwise than the corners beside it, or pairs make a ring
       type(sum_t), allocatable :: sums(:)

@@ -678,8 +678,9 @@ contains
       end do
    end function contact_motions
 
-   !> Whether a body is spread over the ranks of the run. Small bodies are faster on one rank; band matrices and twisted
-   !> bodies stay on rank 0; and a body without unknowns other than those of the contact points has nothing to spread.
+   !> Whether a body is spread over the ranks of the run. Small bodies are faster on one rank; band matrices, twisted
+   !> bodies and solids stay on rank 0; and a body without unknowns other than those of the contact points has nothing
+   !> to spread.
    pure logical function is_distributed(body, options)
       type(body_t), intent(in) :: body !! the body
       type(condensation_options_t), intent(in) :: options !! options of the condensation

@@ -37,7 +37,7 @@ module amontons_contact_zone
    !> The contact points of all contact sets, each set in the order of its patch.
    type :: contact_zone_t
       integer :: n_points = 0 !! number m of contact points
-      integer :: n_tangents = 1 !! number of tangential directions of a point; 2 in a twisted body
+      integer :: n_tangents = 1 !! number of tangential directions of a point; 2 in a twisted body and in space
       integer :: n_rows = 0 !! number of rows of C: (1 + n_tangents) m
       logical, allocatable :: is_own(:)
          !! whether the displacement of the point is made of the own unknowns of one node, and no other point's is (m)
@@ -47,9 +47,10 @@ module amontons_contact_zone
       logical, allocatable :: is_cell(:) !! whether the point is a cell of constant multipliers; a node otherwise (m)
       type(contact_rows_t) :: rows !! the nodes' shares in the displacements of the points
       type(contact_quadrature_t) :: quadrature !! points where gaps and friction are evaluated
-      real(dp), allocatable :: position(:, :) !! coordinates of the node or of the center of the cell (2, m) [L]
-      real(dp), allocatable :: acting(:, :) !! where the force acts: mean place of the point on the body (2, m) [L]
-      real(dp), allocatable :: foot(:, :) !! mean position on the other body of a pair, `acting` without one (2, m) [L]
+      real(dp), allocatable :: position(:, :) !! coordinates of the node or of the center of the cell (n_dim, m) [L]
+      real(dp), allocatable :: acting(:, :) !! where the force acts: mean place of the point on the body (n_dim, m) [L]
+      real(dp), allocatable :: foot(:, :)
+         !! mean position on the other body of a pair, `acting` without one (n_dim, m) [L]
       type(mortar_pair_t), allocatable :: pairs(:) !! the surfaces of each contact set that is paired (contact sets)
       integer, allocatable :: set(:) !! which contact set the point belongs to (m)
       type(line_t), allocatable :: line !! how the points follow each other; not allocated in space
@@ -431,7 +432,7 @@ contains
 
       area = merge(patch%area, 0.0_dp, patch%area > negligible*maxval(patch%area))
       do k = 1, patch%n_nodes
-         if (area(k) > 0.0_dp) cycle
+         if (area(k) > 0.0_dp .or. .not. allocated(patch%line)) cycle
          ! The share of a corner on the axis is negative among the terms of the middle node beside it: with this one the
          ! pressure on the axis is exact where it is a quadratic function of the radius.
          beside = patch%line%beside(k)

@@ -456,7 +456,7 @@ contains
    pure subroutine new_columns(columns, side, coordinates)
       type(columns_t), intent(out) :: columns !! the columns
       integer, intent(in) :: side(:, :) !! first corner, second corner and more of each side (4, sides)
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
       integer, allocatable :: bin(:), of(:)
       real(dp) :: extent(2)
       integer :: low(size(side, 2)), high(size(side, 2)), i, k
@@ -556,7 +556,7 @@ contains
    pure function free_boundary_lies_outside(self, contacts, coordinates, zone, gap) result(lies_outside)
       class(free_boundary_t), intent(in) :: self !! the free boundary
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles at rest
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (n_dim, n_nodes) [L]
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: gap(:) !! their distances to the obstacle (m) [L]
       logical, allocatable :: lies_outside(:)
@@ -618,7 +618,7 @@ contains
    pure function free_boundary_reached_ends(self, contacts, coordinates, gap, status) result(reached)
       class(free_boundary_t), intent(in) :: self !! the free boundary
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (n_dim, n_nodes) [L]
       real(dp), intent(in) :: gap(:) !! distances of the contact points before any displacement (m) [L]
       integer, intent(in) :: status(:) !! statuses of the contact points (m)
       integer, allocatable :: reached(:)
@@ -651,7 +651,7 @@ contains
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, the obstacles where they are now
       type(contact_zone_t), intent(in) :: zone !! the contact points
       real(dp), intent(in) :: extra_gap(:) !! additions of the deck to their gaps (m) [L]
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (2, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: limits(2) !! these limits, over the largest displacement [-]
       ! Over the largest displacement: a roughness of measured profiles that is smaller does not spoil the pressures.
       real(dp), parameter :: negligible = 1.0e-2_dp

@@ -62,7 +62,7 @@ module amontons_load_family
       real(dp), allocatable :: cosine(:) !! of the angle between the normal and the way into the obstacle (m) [-]
       real(dp), allocatable :: depth(:) !! depth in the obstacle of a point out of reach, 0 for the others (m) [L]
       real(dp), allocatable :: foot(:, :)
-         !! where normals of quadrature points meet rigid obstacles, elsewhere these points (2, quadrature points) [L]
+         !! where normals of quadrature points meet rigid obstacles, elsewhere these points (n_dim, points) [L]
       logical, allocatable :: lies_outside(:)
          !! which nodes of the free boundary lie outside what they face, from `new_load_case` (free nodes)
       real(dp), allocatable :: friction(:)

@@ -93,7 +93,7 @@ contains
    !> direction.
    pure subroutine follow_sides(incoming, coordinates, from, to, node)
       type(incoming_sides_t), intent(in) :: incoming !! the sides of the boundary
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, nodes) [L]
       integer, intent(in) :: from !! the corner to come from
       integer, intent(in) :: to !! the corner to go to
       integer, intent(out) :: node !! the first node on the way, 0 if the way does not lead there
