@@ -318,8 +318,9 @@ contains
          ' between follow a geometric series', above=0.0_dp, also='bias ratio'), part%rectangle%grading, is_written)
       call visitor%vector(key_t('origin', 'where the lower left corner of a rectangle, that of least coordinates of'// &
          ' a box, or the origin of the file is put', 'L', also='position offset translate'), part%origin)
-      call visitor%whole(key_t('refine', 'how often every element is cut in four, curved sides along their curve;'// &
-         ' sets and regions follow', at_least=0.0_dp, also='refinement refinements'), part%n_refinements)
+      call visitor%whole(key_t('refine', 'how often every element is cut in four, in space in eight, curved '// &
+         'sides along their curve; sets and regions follow', at_least=0.0_dp, also='refinement refinements'), &
+         part%n_refinements)
       call visitor%close_group()
       call visitor%locate(trim(merge('file ', 'cells', is_file)), part%place)
       if (.not. visitor%is_judging()) return

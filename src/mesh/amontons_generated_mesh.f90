@@ -1,14 +1,15 @@
 !> Meshes that the program makes: a rectangle of quadrilaterals, or of triangles that halve each cell; a box of
-!> hexahedra, or of tetrahedra, six in each cell; quadratic meshes from linear ones; and uniform refinement of plane
-!> meshes. Refinement divides every element into four; the middles of sides lie where the shape functions put them, so
-!> that curved sides keep their shape.
+!> hexahedra, or of tetrahedra, six in each cell; quadratic meshes from linear ones; and uniform refinement. Refinement
+!> divides every element into four, in space into eight; new nodes lie where the shape functions put them, so that
+!> curved sides keep their shape.
 module amontons_generated_mesh
-   use amontons_element, only: corner_kind, element_names, hex20, hex8, is_triangle, line_ends, max_corners, &
-      max_nodes, n_corners, n_element_nodes, n_lines, n_plane_kinds, n_side_corners, n_sides, node_coordinates, quad4, &
-      quad8, quad9, shape_functions, tet4, tri3, tri6
+   use amontons_element, only: corner_kind, element_names, hex20, hex8, line_ends, max_corners, max_nodes, n_corners, &
+      n_element_nodes, n_lines, n_plane_kinds, n_side_corners, n_sides, node_coordinates, quad4, quad8, quad9, &
+      shape_functions, tet10, tet4, tri3, tri6
    use amontons_error, only: error_t, input_refused, new_error, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_mesh, only: mesh_t, parents_t
+   use amontons_rounding, only: first_largest
    use amontons_system, only: available_memory_mb
    use amontons_text, only: short_text, to_text
    implicit none (type, external)
@@ -16,13 +17,29 @@ module amontons_generated_mesh
 
    public :: box_t, diagonal_names, new_box_mesh, new_rectangle_mesh, raise_order, rectangle_t, refine_mesh
 
-   !> Number of parts of an element.
-   integer, parameter :: n_parts = 4
+   !> Most parts of an element.
+   integer, parameter :: max_parts = 8
+   !> The kinds whose nodes, of hexahedra with the centers of the faces and of the element, become corners of parts.
+   integer, parameter :: lattice_kind(*) = [tri6, quad9, tri6, quad9, quad9, tet10, tet10, hex20, hex20]
+   !> Number of corners of parts of a hexahedron: its 20 nodes, the centers of its six faces, and its own.
+   integer, parameter :: n_lattice_nodes = 27
    !> The nodes of a six-node triangle that are the corners of its parts (corner, part). Part i has corner i.
-   integer, parameter :: triangle_parts(3, n_parts) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3, 4, 5, 6], [3, n_parts])
+   integer, parameter :: triangle_parts(*, *) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3, 4, 5, 6], [3, 4])
    !> The nodes of a nine-node quadrilateral that are the corners of its parts (corner, part).
-   integer, parameter :: quad_parts(4, n_parts) = reshape([1, 5, 9, 8, 5, 2, 6, 9, 9, 6, 3, 7, 8, 9, 7, 4], &
-      [4, n_parts])
+   integer, parameter :: quad_parts(*, *) = reshape([1, 5, 9, 8, 5, 2, 6, 9, 9, 6, 3, 7, 8, 9, 7, 4], [4, 4])
+   !> The nodes of a ten-node tetrahedron that are the corners of its parts (corner, part): those of four lie around
+   !> the diagonal from the middle of 1, 3 to the middle of 2, 4 (J. Bey, Computing 55, 1995). Each has the node
+   !> numbers by which its parts are similar to those of the tetrahedron.
+   integer, parameter :: tet_parts(*, *) = reshape([1, 5, 7, 8, 5, 2, 6, 9, 7, 6, 3, 10, 8, 9, 10, 4, 5, 7, 8, 9, &
+      6, 7, 5, 9, 7, 8, 9, 10, 9, 6, 7, 10], [4, max_parts])
+   !> The nodes of a ten-node tetrahedron in an order in which one of its three inner diagonals is the first.
+   integer, parameter :: tet_orders(*, *) = reshape([1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 4, 2, 1, 3, 9, 5, 8, 10, 6, 7, &
+      2, 3, 1, 4, 6, 7, 5, 9, 10, 8], [10, 3])
+   !> The nodes of a hexahedron that are the corners of its parts (corner, part): after those of the 20-node one the
+   !> middles of its faces and its center.
+   integer, parameter :: hex_parts(*, *) = reshape([1, 9, 21, 12, 17, 23, 27, 26, 9, 2, 10, 21, 23, 18, 24, 27, &
+      21, 10, 3, 11, 27, 24, 19, 25, 12, 21, 11, 4, 26, 27, 25, 20, 17, 23, 27, 26, 5, 13, 22, 16, &
+      23, 18, 24, 27, 13, 6, 14, 22, 27, 24, 19, 25, 22, 14, 7, 15, 26, 27, 25, 20, 16, 22, 15, 8], [8, max_parts])
 
    !> Ways to divide a cell into two triangles, as a deck writes them.
    character(11), parameter :: diagonal_names(3) = [character(11) :: 'right', 'left', 'alternating']
@@ -43,49 +60,55 @@ module amontons_generated_mesh
       character(8) :: element = 'hex8' !! one of `element_names`; six tetrahedra make a cell
    end type box_t
 
+   !> Lines between nodes, each filed under one of its ends.
+   type :: line_table_t
+      integer :: n_lines = 0 !! number of lines
+      integer, allocatable :: last(:) !! the line filed last under each node, 0 for none (nodes)
+      integer, allocatable :: before(:) !! the line filed before each one under the same node, 0 for none
+      integer, allocatable :: other(:) !! the other end of each line
+   contains
+      procedure :: find => line_table_find
+   end type line_table_t
+
 contains
 
-   !> Refines a mesh several times, dividing every element into four. The nodes keep their numbers, new ones follow
-   !> them; element e becomes the elements 4 e - 3 to 4 e. Boundary sets and regions become those of the parts, node
-   !> sets do not change.
+   !> Refines a mesh several times, dividing every element into four, in space into eight. The nodes keep their numbers,
+   !> new ones follow them; element e of a plane mesh becomes the elements 4 e - 3 to 4 e. Boundary sets and regions
+   !> become those of the parts, node sets do not change.
    subroutine refine_mesh(mesh, n_times, error, n_finest)
       type(mesh_t), intent(inout) :: mesh !! a checked mesh, refined on return
       integer, intent(in) :: n_times !! number of uniform refinements
       type(error_t), allocatable, intent(out) :: error !! more nodes than numbers or memory allow
       integer, intent(in), optional :: n_finest !! number of refinements that must be possible later on
-      ! As many as a generated mesh may have.
-      real(dp), parameter :: most_nodes = 2.0_dp**27
+      ! As many as a generated mesh may have: in the plane, in space.
+      real(dp), parameter :: most_nodes(2:3) = 2.0_dp**[27, 23]
       ! Mesh, stiffness as it is assembled and in the order of elimination, and what is computed from its solution.
-      real(dp), parameter :: node_bytes = 1000.0_dp
+      real(dp), parameter :: node_bytes(2:3) = [1000.0_dp, 2000.0_dp]
       type(mesh_t) :: parent, quadratic
       integer, allocatable :: kinds(:)
       real(dp) :: n_nodes
-      integer :: i, n_most
+      integer :: i, n_dim, n_most
 
+      n_dim = size(mesh%coordinates, 1)
       n_most = n_times
       if (present(n_finest)) n_most = max(n_times, n_finest)
-      n_nodes = mesh%n_nodes*real(n_parts, dp)**n_most
-      if (n_most > 0 .and. size(mesh%coordinates, 1) > 2) then
-         call new_error(error, input_refused, 'solids cannot be refined yet; make the finer mesh by its own cells, '// &
-            'or in the program that made its file')
-      else if (n_nodes > most_nodes) then
+      n_nodes = mesh%n_nodes*real(2**n_dim, dp)**n_most
+      if (n_nodes > most_nodes(n_dim)) then
          call new_error(error, input_refused, 'refined '//to_text(n_most)//' times, the mesh has more nodes than '// &
-            'node numbers allow (about 134 million)')
+            'node numbers allow (about '//trim(merge('134', '8  ', n_dim == 2))//' million)')
       else if (n_most > 0) then
-         call check_memory('', n_nodes, node_bytes, error)
+         call check_memory('', n_nodes, node_bytes(n_dim), error)
       end if
       if (allocated(error)) return
       do i = 1, n_times
          kinds = mesh%element_kind
          parent = mesh
-         ! The nodes that become corners of parts are those of quadratic elements.
          quadratic = mesh
-         call raise_order(quadratic, merge(merge(tri6, quad9, is_triangle(kinds)), kinds, &
-            n_element_nodes(kinds) == n_corners(kinds)))
+         call raise_order(quadratic, merge(lattice_kind(kinds), kinds, n_element_nodes(kinds) == n_corners(kinds)))
          call cut_elements(mesh, quadratic)
-         call raise_order(mesh, [spread(kinds, 1, n_parts)])
+         call raise_order(mesh, [spread(kinds, 1, 2**n_dim)])
          call place_new_nodes(mesh, parent)
-         call refine_sets(mesh)
+         call refine_sets(mesh, quadratic)
       end do
    end subroutine refine_mesh
 
@@ -103,30 +126,46 @@ contains
          to_text(nint(available_memory_mb(), int64))//' MB are available')
    end subroutine check_memory
 
-   !> Replaces quadratic elements by the four linear ones into which each is divided. The centers of eight-node elements
-   !> become nodes, whose coordinates are not set yet.
+   !> Replaces quadratic elements by the linear ones into which each is divided. The centers of eight-node elements of
+   !> the plane, and those of the faces and the elements of 20 nodes, become nodes, whose coordinates are not set yet.
    pure subroutine cut_elements(mesh, parent)
       type(mesh_t), intent(inout) :: mesh !! the mesh; gains nodes and elements
       type(mesh_t), intent(in) :: parent !! the same mesh, of quadratic elements
-      integer :: node(n_element_nodes(quad9)), element, part, n, n_centers, first
+      integer :: node(n_lattice_nodes), element, face, first, i, line, n, n_centers, n_parts, part, ends(2)
+      type(line_table_t) :: diagonals
 
+      n_parts = 2**size(parent%coordinates, 1)
       deallocate (mesh%node, mesh%node_start)
       allocate (mesh%node(n_parts*sum(n_corners(parent%element_kind))), mesh%node_start(n_parts*parent%n_elements + 1))
       mesh%node_start(1) = 1
+      call new_line_table(diagonals, parent%n_nodes, 6*count(parent%element_kind == hex20))
+      ! Those of faces come behind those of elements.
+      mesh%n_nodes = parent%n_nodes + count(parent%element_kind == quad8 .or. parent%element_kind == hex20)
       n_centers = 0
       do element = 1, parent%n_elements
          associate (kind => parent%element_kind(element), nodes => parent%node(parent%node_start(element): &
             parent%node_start(element + 1) - 1))
             node(:size(nodes)) = nodes
-            if (kind == quad8) then
+            if (kind == quad8 .or. kind == hex20) then
                n_centers = n_centers + 1
-               node(size(node)) = parent%n_nodes + n_centers
+               node(merge(9, n_lattice_nodes, kind == quad8)) = parent%n_nodes + n_centers
+            end if
+            if (kind == hex20) then
+               ! A face is filed as its diagonal from the corner of the lowest number.
+               do face = 1, n_sides(kind)
+                  associate (corners => parent%side(element, face))
+                     i = minloc(corners(:4), dim=1)
+                     ends = corners([i, 1 + mod(i + 1, 4)])
+                  end associate
+                  call diagonals%find(ends, line)
+                  node(n_element_nodes(kind) + face) = mesh%n_nodes + line
+               end do
             end if
             n = n_corners(kind)
             do part = 1, n_parts
                associate (start => mesh%node_start(n_parts*(element - 1) + part:n_parts*(element - 1) + part + 1))
                   first = start(1)
-                  mesh%node(first:first + n - 1) = node(part_corners(kind, part))
+                  mesh%node(first:first + n - 1) = node(part_corners(kind, part, part_order(parent, element)))
                   start(2) = first + n
                end associate
             end do
@@ -134,33 +173,56 @@ contains
       end do
       mesh%element_kind = [spread(corner_kind(parent%element_kind), 1, n_parts)]
       mesh%n_elements = n_parts*parent%n_elements
-      mesh%n_nodes = parent%n_nodes + n_centers
-      mesh%coordinates = reshape(parent%coordinates, [2, mesh%n_nodes], pad=[0.0_dp])
+      mesh%n_nodes = mesh%n_nodes + diagonals%n_lines
+      mesh%coordinates = reshape(parent%coordinates, [size(parent%coordinates, 1), mesh%n_nodes], pad=[0.0_dp])
    end subroutine cut_elements
 
-   !> The nodes of a quadratic element, in the numbering of the nine-node one, that are the corners of a part of it.
-   pure function part_corners(kind, part) result(corners)
+   !> The nodes of a quadratic element that are the corners of a part of it.
+   pure function part_corners(kind, part, order) result(corners)
       integer, intent(in) :: kind !! kind of element
-      integer, intent(in) :: part !! the part, 1 to 4
+      integer, intent(in) :: part !! the part
+      integer, intent(in) :: order !! of the nodes of a tetrahedron, from `part_order`
       integer :: corners(n_corners(kind))
 
-      if (is_triangle(kind)) then
+      select case (corner_kind(kind))
+      case (tri3)
          corners = triangle_parts(:, part)
-      else
+      case (quad4)
          corners = quad_parts(:, part)
-      end if
+      case (tet4)
+         corners = tet_orders(tet_parts(:, part), order)
+      case default
+         corners = hex_parts(:, part)
+      end select
    end function part_corners
+
+   !> The order of the nodes of a tetrahedron in which its shortest inner diagonal is the first; 1 of other elements.
+   pure integer function part_order(mesh, element) result(order)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: element !! the element
+      real(dp) :: length(size(tet_orders, 2))
+
+      order = 1
+      if (corner_kind(mesh%element_kind(element)) /= tet4) return
+      do order = 1, size(length)
+         associate (x => mesh%coordinates(:, mesh%node(mesh%node_start(element) - 1 + tet_orders(:4, order))))
+            length(order) = norm2(x(:, 1) + x(:, 3) - x(:, 2) - x(:, 4))
+         end associate
+      end do
+      order = first_largest(-length)
+   end function part_order
 
    !> Sets the coordinates of the new nodes by the shape functions of the elements before, and their parents.
    pure subroutine place_new_nodes(mesh, parent)
       type(mesh_t), intent(inout) :: mesh !! the refined mesh, its new nodes anywhere
       type(mesh_t), intent(in) :: parent !! the mesh before
-      real(dp) :: share(max_nodes, max_nodes, n_parts, n_plane_kinds)
+      real(dp), allocatable :: share(:, :, :, :, :)
       logical :: is_placed(mesh%n_nodes)
       type(parents_t) :: parents
-      integer :: element, pass, part, i, first, last, n
+      integer :: element, pass, part, i, first, last, n, n_parts, order
 
-      share = part_shares()
+      n_parts = 2**size(mesh%coordinates, 1)
+      call find_part_shares(share, parent%element_kind)
       allocate (parents%start(mesh%n_nodes + 1))
       do pass = 1, 2
          is_placed = .false.
@@ -183,12 +245,13 @@ contains
             if (n > 0) parents%weight(:n) = parent%parents%weight
          end if
          do element = 1, parent%n_elements
+            order = part_order(parent, element)
             associate (kind => parent%element_kind(element), nodes => parent%node(parent%node_start(element): &
                parent%node_start(element + 1) - 1))
                do part = 1, n_parts
                   do i = 1, size(nodes)
                      associate (node => mesh%node(mesh%node_start(n_parts*(element - 1) + part) + i - 1), &
-                        weight => share(:size(nodes), i, part, kind))
+                        weight => share(:size(nodes), i, part, order, kind))
                         if (is_placed(node)) cycle
                         is_placed(node) = .true.
                         if (pass == 1) then
@@ -209,43 +272,82 @@ contains
       mesh%parents = parents
    end subroutine place_new_nodes
 
-   !> The shape functions of the elements of every kind at the nodes of their parts (shape function, node, part,
-   !> kind) [-].
-   pure function part_shares() result(share)
-      real(dp) :: share(max_nodes, max_nodes, n_parts, n_plane_kinds)
-      real(dp) :: corners(2, 4), xi(2), values(max_nodes), derivatives(2, max_nodes)
-      integer :: kind, part, i, shape
+   !> Finds the shape functions of elements at the nodes of their parts.
+   pure subroutine find_part_shares(share, kinds)
+      real(dp), allocatable, intent(out) :: share(:, :, :, :, :)
+         !! the shape functions (shape function, node, part, order of `part_order`, kind) [-]
+      integer, intent(in) :: kinds(:) !! the kinds that occur
+      real(dp), allocatable :: corners(:, :), derivatives(:, :)
+      real(dp) :: values(max_nodes)
+      integer :: kind, order, part, i
 
-      share = 0.0_dp
-      do kind = 1, n_plane_kinds
-         shape = corner_kind(kind)
-         do part = 1, n_parts
-            associate (places => part_corners(kind, part))
-               do i = 1, size(places)
-                  corners(:, i) = node_coordinates(merge(tri6, quad9, is_triangle(kind)), places(i))
+      allocate (share(max_nodes, max_nodes, max_parts, size(tet_orders, 2), size(element_names)), source=0.0_dp)
+      do kind = 1, size(element_names)
+         if (.not. any(kinds == kind)) cycle
+         do order = 1, merge(size(tet_orders, 2), 1, corner_kind(kind) == tet4)
+            do part = 1, merge(4, max_parts, kind <= n_plane_kinds)
+               corners = lattice(kind, part_corners(kind, part, order))
+               derivatives = spread(corners(:, 1), 2, max_nodes)
+               do i = 1, n_element_nodes(kind)
+                  call shape_functions(corner_kind(kind), node_coordinates(kind, i), values, derivatives)
+                  call shape_functions(kind, matmul(corners, values(:n_corners(kind))), values, derivatives)
+                  share(:n_element_nodes(kind), i, part, order, kind) = values(:n_element_nodes(kind))
                end do
-            end associate
-            do i = 1, n_element_nodes(kind)
-               call shape_functions(shape, node_coordinates(kind, i), values, derivatives)
-               xi = matmul(corners(:, :n_corners(kind)), values(:n_corners(kind)))
-               call shape_functions(kind, xi, values, derivatives)
-               share(:n_element_nodes(kind), i, part, kind) = values(:n_element_nodes(kind))
             end do
          end do
       end do
-   end function part_shares
+   end subroutine find_part_shares
 
-   !> Replaces the sides of the boundary sets and the elements of the regions by their parts: side i of an element is
-   !> that of its parts i and i + 1.
-   pure subroutine refine_sets(mesh)
+   !> Reference coordinates of nodes of a divided element, in the order of its quadratic kind, then the centers of its
+   !> faces and its own (n_dim, nodes) [-].
+   pure function lattice(kind, nodes) result(xi)
+      integer, intent(in) :: kind !! kind of element
+      integer, intent(in) :: nodes(:) !! the nodes
+      real(dp), allocatable :: xi(:, :)
+      real(dp), parameter :: centers(*, *) = reshape(real([0, 0, -1, 0, 0, 1, 0, -1, 0, 1, 0, 0, 0, 1, 0, -1, 0, 0, &
+         0, 0, 0], dp), [3, n_lattice_nodes - n_element_nodes(hex20)])
+      integer :: i
+
+      allocate (xi(merge(2, 3, kind <= n_plane_kinds), size(nodes)))
+      do i = 1, size(nodes)
+         if (nodes(i) <= n_element_nodes(lattice_kind(kind))) then
+            xi(:, i) = node_coordinates(lattice_kind(kind), nodes(i))
+         else
+            xi(:, i) = centers(:, nodes(i) - n_element_nodes(hex20))
+         end if
+      end do
+   end function lattice
+
+   !> Replaces the sides of the boundary sets and the elements of the regions by their parts: a side of a part lies on a
+   !> side of its element that has as many of its corners as there are dimensions.
+   pure subroutine refine_sets(mesh, parent)
       type(mesh_t), intent(inout) :: mesh !! the refined mesh, its sets those of the mesh before
-      integer :: i, k, part
+      type(mesh_t), intent(in) :: parent !! the mesh before, of quadratic elements
+      integer, allocatable :: nodes(:), element(:), side(:)
+      integer :: i, k, n, n_dim, n_parts, own, part, place
 
+      n_dim = size(mesh%coordinates, 1)
+      n_parts = 2**n_dim
       do i = 1, size(mesh%sets)
          associate (set => mesh%sets(i))
-            set%element = [(n_parts*(set%element(k) - 1) + set%side(k), n_parts*(set%element(k) - 1) &
-               + mod(set%side(k), n_corners(mesh%element_kind(n_parts*set%element(k)))) + 1, k=1, size(set%element))]
-            set%side = [(set%side(k), set%side(k), k=1, size(set%side))]
+            ! Every side has half as many parts as its element.
+            allocate (element(n_parts/2*size(set%element)), side(n_parts/2*size(set%element)))
+            n = 0
+            do k = 1, size(set%element)
+               nodes = parent%side(set%element(k), set%side(k))
+               ! The first is that of the part with the number of the side, so that lines stay lines.
+               do part = set%side(k), set%side(k) + n_parts - 1
+                  own = n_parts*(set%element(k) - 1) + 1 + mod(part - 1, n_parts)
+                  do place = 1, n_sides(mesh%element_kind(own))
+                     if (count_common(mesh%side(own, place), nodes) < n_dim) cycle
+                     n = n + 1
+                     element(n) = own
+                     side(n) = place
+                  end do
+               end do
+            end do
+            call move_alloc(element, set%element)
+            call move_alloc(side, set%side)
          end associate
       end do
       if (.not. allocated(mesh%regions)) return
@@ -254,6 +356,18 @@ contains
             region%element = [((n_parts*(region%element(k) - 1) + part, part=1, n_parts), k=1, size(region%element))]
          end associate
       end do
+
+   contains
+
+      !> Number of nodes of a side that another one has, too.
+      pure integer function count_common(one, other) result(n)
+         integer, intent(in) :: one(:) !! nodes of the side, or 0
+         integer, intent(in) :: other(:) !! nodes of the other side, or 0
+         integer :: k
+
+         n = count([(one(k) > 0 .and. any(other == one(k)), k=1, size(one))])
+      end function count_common
+
    end subroutine refine_sets
 
    !> Turns linear elements of a mesh into quadratic ones of given kinds; the boundary sets keep their sides.
@@ -262,21 +376,22 @@ contains
       integer, intent(in) :: kinds(:)
          !! kind of each element after: a quadratic one in the place of the linear one of the same shape, or its own;
          !! elements that share a side are all raised or all kept (n_elements)
-      integer, allocatable :: valence(:), last(:), before(:), other(:), node(:), node_start(:)
+      type(line_table_t) :: lines
+      integer, allocatable :: valence(:), node(:), node_start(:)
       real(dp), allocatable :: more(:, :)
       integer :: element, i, n, n_more, first, ends(2), line
 
       if (all(kinds == mesh%element_kind)) return
-      allocate (valence(mesh%n_nodes), last(mesh%n_nodes), source=0)
+      allocate (valence(mesh%n_nodes), source=0)
       do i = 1, size(mesh%node)
          valence(mesh%node(i)) = valence(mesh%node(i)) + 1
       end do
       ! Each line between two corners, which gets a node in its middle, is filed under that corner where fewer elements
       ! meet, which keeps every search short.
       n = sum(n_lines(mesh%element_kind))
-      allocate (before(n), other(n), more(size(mesh%coordinates, 1), n + mesh%n_elements), &
-         node(sum(n_element_nodes(kinds))), node_start(mesh%n_elements + 1))
-      n_more = 0
+      call new_line_table(lines, mesh%n_nodes, n)
+      allocate (more(size(mesh%coordinates, 1), n + mesh%n_elements), node(sum(n_element_nodes(kinds))), &
+         node_start(mesh%n_elements + 1))
       node_start(1) = 1
       do element = 1, mesh%n_elements
          first = node_start(element)
@@ -288,22 +403,12 @@ contains
             ends = node(first - 1 + line_ends(kinds(element), i))
             if (valence(ends(2)) < valence(ends(1)) .or. (valence(ends(2)) == valence(ends(1)) &
                .and. ends(2) < ends(1))) ends = ends([2, 1])
-            line = last(ends(1))
-            do while (line > 0)
-               if (other(line) == ends(2)) exit
-               line = before(line)
-            end do
-            if (line == 0) then
-               n_more = n_more + 1
-               line = n_more
-               more(:, line) = 0.5_dp*(mesh%coordinates(:, ends(1)) + mesh%coordinates(:, ends(2)))
-               other(line) = ends(2)
-               before(line) = last(ends(1))
-               last(ends(1)) = line
-            end if
+            call lines%find(ends, line)
+            more(:, line) = 0.5_dp*(mesh%coordinates(:, ends(1)) + mesh%coordinates(:, ends(2)))
             node(first + n + i - 1) = mesh%n_nodes + line
          end do
       end do
+      n_more = lines%n_lines
       ! The centers of nine-node elements come last.
       do element = 1, mesh%n_elements
          if (kinds(element) /= quad9 .or. mesh%element_kind(element) == quad9) cycle
@@ -319,6 +424,34 @@ contains
       call move_alloc(node, mesh%node)
       call move_alloc(node_start, mesh%node_start)
    end subroutine raise_order
+
+   !> Makes an empty table of lines.
+   pure subroutine new_line_table(table, n_nodes, n_most)
+      type(line_table_t), intent(out) :: table !! the table
+      integer, intent(in) :: n_nodes !! number of nodes
+      integer, intent(in) :: n_most !! number of lines that it has room for
+
+      allocate (table%last(n_nodes), source=0)
+      allocate (table%before(n_most), table%other(n_most))
+   end subroutine new_line_table
+
+   !> Finds the line between two nodes, and files it if it is new.
+   pure subroutine line_table_find(self, ends, line)
+      class(line_table_t), intent(inout) :: self !! the lines
+      integer, intent(in) :: ends(2) !! the nodes; the line is filed under the first one
+      integer, intent(out) :: line !! number of the line
+
+      line = self%last(ends(1))
+      do while (line > 0)
+         if (self%other(line) == ends(2)) return
+         line = self%before(line)
+      end do
+      self%n_lines = self%n_lines + 1
+      line = self%n_lines
+      self%other(line) = ends(2)
+      self%before(line) = self%last(ends(1))
+      self%last(ends(1)) = line
+   end subroutine line_table_find
 
    !> Makes the mesh of a rectangle, with the boundary sets left, right, bottom and top.
    subroutine new_rectangle_mesh(mesh, rectangle, error)
@@ -370,9 +503,10 @@ contains
       real(dp), parameter :: most_nodes = 2.0_dp**23
       ! Mesh, stiffness as it is assembled and in the order of elimination, and what is computed from its solution.
       real(dp), parameter :: node_bytes = 2000.0_dp
-      ! The corners of a cell that six tetrahedra have, all around its diagonal.
-      integer, parameter :: parts(*, *) = reshape([1, 2, 3, 7, 1, 3, 4, 7, 1, 4, 8, 7, 1, 8, 5, 7, 1, 5, 6, 7, &
-         1, 6, 2, 7], [4, 6])
+      ! The corners of a cell that six tetrahedra have, all around its diagonal, in the orders by which refinement makes
+      ! those of smaller cells.
+      integer, parameter :: parts(*, *) = reshape([1, 2, 3, 7, 3, 4, 1, 7, 1, 4, 8, 7, 8, 5, 1, 7, 1, 5, 6, 7, &
+         6, 2, 1, 7], [4, 6])
       integer :: corner(max_corners), cell, i, kind, shape, steps(3)
       real(dp) :: n_nodes
 

@@ -209,7 +209,7 @@ contains
       type(contact_solution_t), intent(out) :: solution !! the solution
       type(contact_zone_t), intent(in) :: zone !! the contact points of the other mesh
       real(dp) :: distance(size(self%set)), share(2)
-      integer :: nearest(2), m, n, p, k
+      integer :: axis, nearest(2), m, n, p, k
 
       m = size(self%set)
       n = zone%n_points
@@ -217,6 +217,9 @@ contains
       do p = 1, n
          distance = merge(hypot(self%position(1, :) - zone%position(1, p), self%position(2, :) - zone%position(2, p)), &
             huge(1.0_dp), self%set == zone%set(p))
+         do axis = 3, size(zone%position, 1)
+            distance = hypot(distance, self%position(axis, :) - zone%position(axis, p))
+         end do
          if (.not. any(self%set == zone%set(p))) cycle
          do k = 1, 2
             nearest(k) = minloc(distance, dim=1)

@@ -14,9 +14,10 @@ ROUGH = "contact set = 'bottom'  friction = 0.5"
 CUBES = {"hex8": (5.3940e-2, 5.465782e-3), "hex20": (5.3376e-2, 5.183580e-3), "tet10": (5.3375e-2, 5.21992e-3)}
 
 
-def solid(*groups, size="1.0, 1.0, 1.0", cells="4, 4, 4", element="hex8", material="young = 1.0  poisson = 0.3"):
+def solid(*groups, size="1.0, 1.0, 1.0", cells="4, 4, 4", element="hex8", material="young = 1.0  poisson = 0.3",
+          refine=0):
     """The deck of a box."""
-    mesh = f"kind = 'box'  size = {size}  cells = {cells}  element = '{element}'"
+    mesh = f"kind = 'box'  size = {size}  cells = {cells}  element = '{element}'  refine = {refine}"
     return block(*groups, mesh=mesh, material=material)
 
 
@@ -45,6 +46,27 @@ class SolidContact(ProgramTest):
                 self.assertEqual(set(result["status"]), {"stick", "slip"})
                 areas = result.summary["areas"]
                 self.assertAlmostEqual(areas["slip_area"] + areas["stick_area"], 1.0, delta=1e-12)
+
+    def test_refined_box_is_that_of_more_cells(self):
+        for element in CUBES:
+            # Reactions, moments and extremes of one mesh, whose nodes have other numbers.
+            one = self.solve_verified(solid(TOP, FLOOR, cells="2, 2, 2", element=element, refine=1), "one").summary
+            other = self.solve(solid(TOP, FLOOR, element=element), "other").summary
+            for key, value in other["key_results"].items():
+                self.assertAlmostEqual(one["key_results"][key], value, delta=1e-10, msg=f"{element} {key}")
+            for key, value in other["areas"].items():
+                self.assertAlmostEqual(one["areas"][key], value, delta=1e-10, msg=f"{element} {key}")
+
+    def test_truth_lies_within_the_error_bars(self):
+        # The limits of CUBES, extrapolated from meshes of up to 40 cells and of quadratic elements.
+        limits = {"contact_force_z": 5.317e-2, "contact_force_x": -5.160e-3}
+        for element, cells in (("hex8", "4, 4, 4"), ("tet4", "4, 4, 4"), ("tet10", "2, 2, 2"), ("hex20", "2, 2, 2")):
+            result = self.solve_verified(solid(TOP, FLOOR, "accuracy refinements = 2", cells=cells, element=element))
+            for key, limit in limits.items():
+                judged = result.summary["convergence"][key]
+                self.assertEqual(judged["verdict"], "converging", (element, key))
+                self.assertLess(abs(judged["values"][-1] - limit), judged["error_bar"], (element, key))
+                self.assertLess(judged["error_bar"], 0.1*abs(limit), (element, key))
 
     def test_layer_is_the_plane(self):
         held, material = "support set = 'right'  ux = 0.0", "young = 13000.0  poisson = 0.2"
