@@ -170,6 +170,7 @@ def _load() -> ctypes.CDLL:
     library.amontons_step.argtypes = [address, ctypes.c_double, size, numbers, size, numbers, numbers, size, numbers,
                                       size, address, np.ctypeslib.ndpointer(np.intc), text, size]
     library.amontons_stepper_points.argtypes = [address, size, numbers]
+    library.amontons_stepper_frames.argtypes = [address, size, numbers]
     library.amontons_free_stepper.argtypes = [address]
     library.amontons_free_stepper.restype = None
     library.amontons_solve_contacts.argtypes = [
@@ -249,14 +250,16 @@ class StepState:
     raw: Array              # all that the next step needs; may be kept, copied and handed to another process
     columns: dict[str, float]    # the numbers of the step, as in NAME.history.csv; none at rest
     normal_force: Array     # of each contact point, as are the others
-    tangential_force: Array     # of a twisted body two rows, in the plane and around the axis (2, n_points)
+    tangential_force: Array     # of a twisted body two rows, in the plane and around the axis (2, n_points); of a solid
+                            # vectors, as the slip of a step along x, y and z (3, n_points)
     normal_displacement: Array
     tangential_displacement: Array    # likewise
     slip_step: Array        # likewise
     slip_accumulated: Array
     dissipation: Array
     wear_depth: Array       # with the key `wear` of &contact: what was worn, which the next step adds to the gaps
-    status: Array           # 'open', 'stick', 'slip+' or 'slip-'; of a twisted body 'open', 'stick' or 'slip'
+    status: Array           # 'open', 'stick', 'slip+' or 'slip-'; of a twisted body or a solid 'open', 'stick' or
+                            # 'slip'
 
 
 @dataclass(frozen=True)
@@ -264,8 +267,10 @@ class ContactPoints:
     """Where the contact points of a `Stepper` are, in the order of all arrays of a state."""
     x: Array
     y: Array
-    weight: Array           # the length of the contact line that belongs to each
+    weight: Array           # the length of the contact line that belongs to each; of a solid the area
     area: Array             # and its area: that length times the thickness, or the way around the axis
+    z: Array                # of a solid; else 0
+    normal: Array           # unit normals of the body, towards the obstacle (2, n_points), of a solid (3, n_points)
 
 
 class Stepper:
@@ -290,9 +295,11 @@ class Stepper:
         n_changes, self.n_points, self._n_state = (count.value for count in counts)
         self._columns = next(csv.reader([names.value.decode()]))
         self.changes = self._columns[1:n_changes + 1]
-        points = np.zeros((4, self.n_points))
+        points, frames = np.zeros((4, self.n_points)), np.zeros((self.n_points, 4, 3))
         self._n_tangents = _library.amontons_stepper_points(self._address, self.n_points, points.T)
-        self.points = ContactPoints(*points)
+        n_dim = _library.amontons_stepper_frames(self._address, self.n_points, frames.T)
+        self.points = ContactPoints(*points, frames[:, 0, 2], frames[:, 1, :n_dim].T)
+        self._tangents = frames[:, 2:] if n_dim == 3 else None
 
     def __del__(self) -> None:
         if getattr(self, "_address", None):
@@ -346,6 +353,9 @@ class Stepper:
             np.split(rows, np.cumsum([1, n, 1, n, n]))
         if n == 1:
             tangential, u_tangential, anchor = tangential[0], u_tangential[0], anchor[0]
+        elif self._tangents is not None:
+            tangential, u_tangential, anchor = (np.einsum("tp,ptx->xp", components, self._tangents)
+                                                for components in (tangential, u_tangential, anchor))
         return StepState(raw, columns, normal[0], tangential, u_normal[0], u_tangential, u_tangential - anchor, slip,
                          dissipation, depth, STATUSES[status])
 

@@ -138,11 +138,18 @@ int amontons_step(
     char *message,
     int message_size);
 
-/* Writes the places of the contact points. Returns the number of their tangents: 1, in a twisted body 2. */
+/* Writes the places of the contact points. Returns the number of their tangents: 1, in a twisted body and a solid 2. */
 int amontons_stepper_points(
     amontons_stepper *stepper,
     int n_points,    /* as `amontons_new_stepper` gave it */
     double *points); /* x of all points, y of all, then the lengths and the areas that belong to each (4m) */
+
+/* Writes the places of the contact points again, of a solid with z, and the directions of their numbers in a state:
+   the normal, towards the obstacle, and the tangents. Returns the number of coordinates: 2, of a solid 3. */
+int amontons_stepper_frames(
+    amontons_stepper *stepper,
+    int n_points,    /* as `amontons_new_stepper` gave it */
+    double *frames); /* of each point x, y, z, normal, first tangent and second tangent; 0 what it has not (12m) */
 
 /* Frees a stepper. */
 void amontons_free_stepper(amontons_stepper *stepper);

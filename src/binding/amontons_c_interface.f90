@@ -327,6 +327,24 @@ contains
       end associate
    end function amontons_stepper_points
 
+   !> Writes the places of the contact points and the directions of their numbers in a state. Returns the number of
+   !> coordinates.
+   function amontons_stepper_frames(stepper, n_points, frames) bind(c, name='amontons_stepper_frames') result(n_dim)
+      type(c_ptr), value, intent(in) :: stepper !! the stepper
+      integer(c_int), value, intent(in) :: n_points !! number of contact points
+      real(c_double), intent(inout) :: frames(3, 4, n_points) !! place, normal and tangents of each; 0 what it has not
+      integer(c_int) :: n_dim
+      type(load_stepper_t), pointer :: made
+
+      call c_f_pointer(stepper, made)
+      associate (zone => made%cache%body%zone)
+         n_dim = size(zone%position, 1)
+         frames = 0.0_c_double
+         frames(:n_dim, 1, :) = zone%position
+         frames(:size(zone%frame, 1), 2:1 + size(zone%frame, 2), :) = zone%frame
+      end associate
+   end function amontons_stepper_frames
+
    !> Frees a stepper made by `amontons_new_stepper`.
    subroutine amontons_free_stepper(stepper) bind(c, name='amontons_free_stepper')
       type(c_ptr), value, intent(in) :: stepper !! the stepper; null for none

@@ -399,7 +399,14 @@ contains
          call check_name(.false., config%ties(i)%origin, config%ties(i)%set)
          call check_name(.false., config%ties(i)%origin, config%ties(i)%to)
       end do
-      if (size(mesh%coordinates, 1) == 3) call refuse_in_space(faults, config)
+      associate (probes => config%history%probes, n_dim => size(mesh%coordinates, 1))
+         if (allocated(config%history%probes)) then
+            if (modulo(size(probes), n_dim) > 0) call faults%add(0, config%history%probe_origin//'probe needs '// &
+               trim(merge('three', 'two  ', n_dim == 3))//' coordinates for each node, found '// &
+               to_text(size(probes))//' numbers')
+         end if
+         if (n_dim == 3) call refuse_in_space(faults, config)
+      end associate
       if (faults%n > 0) call new_error(error, input_refused, faults%text())
 
    contains
@@ -439,7 +446,7 @@ contains
       do i = 1, size(config%ties)
          call faults%add(0, config%ties(i)%origin//'a tie'//sentence)
       end do
-      if (config%history%is_given) call faults%add(0, config%file//': a history'//sentence)
+      if (config%history%has_fretting) call faults%add(0, config%file//": fretting = 'parameters'"//sentence)
    end subroutine refuse_in_space
 
 end module amontons_config

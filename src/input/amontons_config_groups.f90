@@ -213,8 +213,8 @@ contains
       call visitor%whole(key_t('states_every', 'with `&history`: all that another history needs to `start` from'// &
          ' step 1 or from a so-many-th step behind it is written', default='none', at_least=1.0_dp), &
          history%states_every)
-      call visitor%list(key_t('probe', 'with `&history`: coordinates of nodes, x and y in turn, whose displacements'// &
-         ' the table of the history shows', 'L', default='none', also='probes'), history%probes)
+      call visitor%list(key_t('probe', 'with `&history`: coordinates of nodes, one after the other, whose'// &
+         ' displacements the table of the history shows', 'L', default='none', also='probes'), history%probes)
       has_fretting = history%has_fretting
       fretting = fretting_names(merge(2, 1, history%has_fretting))
       call visitor%word(key_t('fretting', 'with `&history`: whether the stress along the surface and the parameters'// &
@@ -229,8 +229,6 @@ contains
       call visitor%only('fields_every', sweep%is_given() .or. history%is_given, 'a deck with &sweep or &history')
       call visitor%only('key_results', sweep%is_given(), 'a deck with &sweep')
       call visitor%only('points_every states_every probe fretting', history%is_given, 'a deck with &history')
-      if (allocated(history%probes)) call visitor%require(modulo(size(history%probes), 2) == 0, 'probe', &
-         'probe needs two coordinates for each node, found '//to_text(size(history%probes))//' numbers')
    end subroutine describe_output
 
    !> Describes `&problem`.

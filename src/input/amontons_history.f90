@@ -30,7 +30,8 @@ module amontons_history
    !> Whether fretting parameters are computed, as a deck writes it.
    character(10), parameter :: fretting_names(2) = [character(10) :: 'none', 'parameters']
 
-   !> A change over the history: the numbers are one factor, or shift along x, shift along y and angle of an obstacle.
+   !> A change over the history: the numbers are one factor, or shift along x, shift along y and, of an obstacle in the
+   !> plane, angle, in space shift along z.
    type :: steps_t
       integer :: target = stepped_load !! its kind
       character(:), allocatable :: name !! name of the load or support; name or set of the contact
@@ -71,13 +72,12 @@ module amontons_history
       character(:), allocatable :: start !! file of such states, of which one is the start; empty or not allocated: rest
       integer :: start_step = 0 !! the step of the state; 0 for the last one
       character(:), allocatable :: start_origin !! where it was specified, for messages: 'deck.nml:12: '
-      real(dp), allocatable :: probes(:) !! coordinates of the nodes whose displacements are shown, x and y in turn [L]
+      real(dp), allocatable :: probes(:) !! coordinates of nodes whose displacements are shown, one after the other [L]
       character(:), allocatable :: probe_origin !! where they were specified, for messages: 'deck.nml:12: '
    contains
       procedure :: cycle_ends => history_cycle_ends
       procedure :: has_start => history_has_start
       procedure :: n_cycles => history_n_cycles
-      procedure :: n_probes => history_n_probes
       procedure :: numbers => history_numbers
       procedure :: nearest_planned_time => history_nearest_planned_time
    end type history_t
@@ -90,11 +90,11 @@ module amontons_history
    type(key_t), parameter :: name_keys(4) = [key_t(moved_things(stepped_load), 'with `factor`: the name of the load'), &
       key_t(moved_things(stepped_support), 'with `factor`: the name of the support, whose prescribed'// &
       ' displacements are multiplied'), &
-      key_t(moved_things(stepped_obstacle), 'with `shift_x`, `shift_y` and `turn`: the `name` or `set` of the'// &
-      ' `&contact`'), &
+      key_t(moved_things(stepped_obstacle), 'with `shift_x`, `shift_y`, `shift_z` and `turn`: the `name` or `set`'// &
+      ' of the `&contact`'), &
       key_t(moved_things(stepped_friction), 'with `friction_factor`: the `name` or `set` of the `&contact`')]
    !> Number of keys for the numbers of a change.
-   integer, parameter :: n_value_keys = 5
+   integer, parameter :: n_value_keys = 6
    !> Keys of the numbers of a change; those of a motion may be left out one by one.
    type(key_t), parameter :: value_keys(n_value_keys) = [ &
       key_t('factor', 'what the loads of that name, or the displacements of the supports, are multiplied by: one'// &
@@ -102,14 +102,16 @@ module amontons_history
       key_t('shift_x', 'how far the obstacle has moved along x at each of the `times`; around an axis it widens', &
       'L', default='`0.0`'), &
       key_t('shift_y', 'how far the obstacle has moved along y at each of the `times`', 'L', default='`0.0`'), &
-      key_t('turn', 'the angle that the obstacle has turned by about `pivot` at each of the `times`,'// &
+      key_t('shift_z', 'of a solid: how far it has moved along z at each of the `times`', 'L', &
+      default='0.0, of a solid'), &
+      key_t('turn', 'in the plane: the angle that the obstacle has turned by about `pivot` at each of the `times`,'// &
       ' counterclockwise', 'rad', default='`0.0`', also='angle rotation'), &
       key_t('friction_factor', 'what the friction of the `&contact` is multiplied by at each of the `times`', &
       at_least=0.0_dp)]
    !> For each key of numbers, the targets that have it and its place among their numbers.
    character(16), parameter :: value_owners(n_value_keys) = [character(16) :: 'load and support', 'obstacle', &
-      'obstacle', 'obstacle', 'contact']
-   integer, parameter :: value_rows(n_value_keys) = [1, 1, 2, 3, 1]
+      'obstacle', 'obstacle', 'obstacle', 'contact']
+   integer, parameter :: value_rows(n_value_keys) = [1, 1, 2, 3, 3, 1]
 
 contains
 
@@ -123,14 +125,16 @@ contains
    end function steps_acts_on
 
    !> Column name of one of the numbers: 'factor_F', 'shift_x_floor', 'friction_factor_bottom'.
-   pure function steps_label(self, number) result(label)
+   pure function steps_label(self, number, n_dim) result(label)
       class(steps_t), intent(in) :: self !! the steps
       integer, intent(in) :: number !! index of the number
+      integer, intent(in) :: n_dim !! number of dimensions of the body
       character(:), allocatable :: label
-      character(7), parameter :: motions(3) = [character(7) :: 'shift_x', 'shift_y', 'turn']
+      character(7) :: motions(3)
 
       select case (self%target)
       case (stepped_obstacle)
+         motions = [character(7) :: 'shift_x', 'shift_y', merge('shift_z', 'turn   ', n_dim == 3)]
          label = trim(motions(number))//'_'//self%name
       case (stepped_friction)
          label = 'friction_factor_'//self%name
@@ -177,14 +181,6 @@ contains
 
       has_start = is_filled(self%start)
    end function history_has_start
-
-   !> Number of nodes whose displacements are written.
-   pure integer function history_n_probes(self) result(n)
-      class(history_t), intent(in) :: self !! the history
-
-      n = 0
-      if (allocated(self%probes)) n = size(self%probes)/2
-   end function history_n_probes
 
    !> The time of a planned step that is nearest to a time within the history [-].
    pure real(dp) function history_nearest_planned_time(self, time) result(nearest)
@@ -417,7 +413,7 @@ contains
 
       has_name = .false.
       has_name(steps%target) = is_filled(steps%name)
-      has_pivot = steps%target == stepped_obstacle
+      has_pivot = steps%target == stepped_obstacle .and. visitor%n_dim == 2
       has_table = is_filled(steps%file)
       call visitor%open_group(steps_group)
       do i = 1, size(name_keys)
@@ -427,6 +423,9 @@ contains
       do i = 1, size(value_keys)
          has_values(i) = allocated(steps%values) .and. .not. has_table .and. steps%takes(i)
          if (has_values(i)) values = steps%values(value_rows(i), :)
+         ! The third number is an angle in the plane and a shift in space.
+         if (value_rows(i) == 3) has_values(i) = has_values(i) .and. &
+            visitor%n_dim == merge(3, 2, value_keys(i)%name == 'shift_z')
          call visitor%list(value_keys(i), values, has_values(i))
          if (visitor%place > 0 .and. has_values(i)) then
             ! Numbers that a motion does not give are 0.
@@ -439,7 +438,8 @@ contains
       call visitor%reals(key_t('pivot', 'with `turn`: what the obstacle turns about', 'L', default='`0.0, 0.0`'), &
          steps%pivot, has_pivot)
       call visitor%text(key_t('table', 'instead of the lists: file of times and numbers in columns, linear between;'// &
-         ' of an obstacle time, `shift_x`, `shift_y` and `turn`', is_file=.true., is_filled=.true., also='file'), &
+         ' of an obstacle time, `shift_x`, `shift_y` and `turn`, of a solid `shift_z`', is_file=.true., &
+         is_filled=.true., also='file'), &
          steps%file, has_table)
       call visitor%table('table', steps%file, steps%table, 1 + steps%n_numbers(), 'time', &
          merge(0.0_dp, -huge(1.0_dp), steps%target == stepped_friction))
@@ -466,13 +466,16 @@ contains
          if (.not. steps%takes(i)) call visitor%only(trim(value_keys(i)%name), .false., trim(value_owners(i)))
       end do
       call visitor%only('pivot', steps%target == stepped_obstacle, 'obstacle')
+      call visitor%state_dimensions(2, 'turn pivot')
+      call visitor%state_dimensions(3, 'shift_z')
       n_given = count(has_values)
       call visitor%require((n_given > 0) .neqv. visitor%has('table'), '', '&steps needs either values or table')
       if (allocated(steps%values)) then
          do i = 1, size(value_keys)
             if (value_owners(i) /= 'obstacle' .or. .not. has_values(i)) cycle
             call visitor%require(visitor%deck%count_values(visitor%place, trim(value_keys(i)%name), huge(1)) == &
-               size(steps%values, 2), trim(value_keys(i)%name), 'shift_x, shift_y and turn need equally many values')
+               size(steps%values, 2), trim(value_keys(i)%name), 'shift_x, shift_y, shift_z and turn need equally'// &
+               ' many values')
          end do
       end if
    end subroutine judge_steps

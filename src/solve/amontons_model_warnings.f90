@@ -271,7 +271,7 @@ contains
          associate (steps => history%steps(i))
             if (steps%target /= stepped_friction) cycle
             is_varied = [(steps%acts_on(load_case%contacts(k)), k=1, size(is_varied))]
-            call add_large_friction(warnings, steps%label(1)//': ', steps%largest()*maxval(load_case%friction, &
+            call add_large_friction(warnings, steps%label(1, 0)//': ', steps%largest()*maxval(load_case%friction, &
                mask=is_varied(set)))
          end associate
       end do

@@ -87,6 +87,18 @@ class Input(ProgramTest):
                             ("contact_centroid_x", 23.2), ("contact_centroid_y", 12.4)):
             self.assertAlmostEqual(key[name], exact, delta=1e-9*abs(exact), msg=name)
 
+    def test_plate_on_a_ball_sticks_in_the_middle_and_wears_around_it(self):
+        with open(self.directory / "solid_fretting.points.csv", encoding="utf-8") as table:
+            rows = [row for row in csv.DictReader(table) if row["time"] == "4.0" and row["status"] != "open"]
+        # The contact has a radius of about 0.9.
+        for row in rows:
+            radius = math.hypot(float(row["x"]), float(row["y"]))
+            if radius < 0.4:
+                self.assertEqual((row["status"], row["slip_x"], row["wear_depth"]), ("stick", "0.0", "0.0"))
+            if radius > 0.8:
+                self.assertEqual(row["status"], "slip")
+                self.assertGreater(float(row["wear_depth"]), 5e-11)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -337,6 +337,41 @@ class Steps(ProgramTest):
         along = np.sum(state.tangential_force*state.slip_step, axis=0)[slips]
         np.testing.assert_allclose(along, (shear*np.hypot(*state.slip_step))[slips], rtol=1e-8)
 
+    def test_states_of_solids_have_vectors(self):
+        # A floor goes round under a block whose top is held: friction is along the slip of each step.
+        deck = block("support set = 'top'  ux = 0.0  uy = 0.0", "load name = 'press'  set = 'top'  pressure = 2.0",
+                     "contact name = 'floor'  set = 'bottom'  friction = 0.3",
+                     "history times = 0.0, 1.0, 2.0, 3.0  substeps = 3",
+                     "output points_every = 1  probe = 2.0, 2.0, 1.0",
+                     "steps load = 'press'  factor = 1.0, 2.0, 1.0, 1.0",
+                     "steps obstacle = 'floor'  shift_x = 0.0, 0.1, 0.1, 0.0  shift_y = 0.0, 0.0, 0.1, -0.1",
+                     mesh="kind = 'box'  size = 2.0, 2.0, 1.0  cells = 4, 3, 2")
+        result = amontons.solve_deck(deck)
+        rows, stepper = result.history, amontons.Stepper(deck)
+        self.assertEqual(stepper.changes, ["factor_press", "shift_x_floor", "shift_y_floor", "shift_z_floor"])
+        for name in "x", "y", "z", "area":
+            np.testing.assert_array_equal(getattr(stepper.points, name), result.contact[name], err_msg=name)
+        for axis, normal in zip("xyz", stepper.points.normal, strict=True):
+            np.testing.assert_array_equal(normal, result.contact[f"normal_{axis}"])
+        state = stepper.rest()
+        for i, time in enumerate(rows["time"]):
+            changes = {name: rows[name][i] for name in stepper.changes}
+            before, state = state, stepper.step(state, time, **changes)
+            for name, value in state.columns.items():
+                self.assertEqual(value, rows[name][i], f"{name}, step {i + 1}")
+            slips = state.status == "slip"
+            shear = np.linalg.norm(state.tangential_force, axis=0)
+            np.testing.assert_allclose(shear[slips], 0.3*state.normal_force[slips], rtol=1e-8)
+            along = np.sum(state.tangential_force*state.slip_step, axis=0)[slips]
+            np.testing.assert_allclose(along, (shear*np.linalg.norm(state.slip_step, axis=0))[slips], rtol=1e-8)
+            np.testing.assert_allclose(np.sum(state.tangential_force*stepper.points.normal, axis=0), 0.0, atol=1e-15)
+        # The force on the body is along the normal, outwards, and along the slip, both with the opposite sign.
+        forces = -(state.normal_force*stepper.points.normal + state.tangential_force)
+        for axis, force in zip("xyz", forces):
+            np.testing.assert_allclose(force, result.contact[f"force_{axis}"], rtol=0, atol=1e-15)
+        np.testing.assert_allclose(np.linalg.norm(state.slip_step, axis=0), result.contact["slip_step"], atol=1e-15)
+        self.assertEqual(before.slip_step.shape, (3, stepper.n_points))
+
     def test_points_are_those_of_the_contact_table(self):
         deck = self.DECK.replace("poisson = 0.25", "poisson = 0.25  thickness = 3.0")
         stepper, contact = amontons.Stepper(deck), amontons.solve_deck(deck).contact

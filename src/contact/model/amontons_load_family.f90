@@ -71,9 +71,9 @@ module amontons_load_family
       type(condensed_load_t) :: condensed !! the condensed load, where its family is condensed
    end type load_case_t
 
-   !> The motion of an obstacle: it is turned about the pivot and then shifted.
+   !> The motion of an obstacle: in the plane it is turned about the pivot, and then shifted.
    type :: obstacle_motion_t
-      real(dp) :: shift(2) = 0.0_dp !! shift along x and y [L]
+      real(dp) :: shift(3) = 0.0_dp !! shift along x, y and z [L]
       real(dp) :: turn = 0.0_dp !! angle, counterclockwise [rad]
       real(dp) :: pivot(2) = 0.0_dp !! pivot of the rotation [L]
    contains
@@ -573,9 +573,11 @@ contains
          acting%motion = 0.0_dp
          do p = 1, zone%n_points
             do i = quadrature%start(p), quadrature%start(p + 1) - 1
-               frame = new_frame(quadrature%normal(:, i), size(frame, 1))
+               frame = zone%frame(:, :, p)
+               if (zone%is_cell(p)) frame = new_frame(quadrature%normal(:, i), size(frame, 1))
                acting%motion(p::zone%n_points) = acting%motion(p::zone%n_points) + quadrature%share(i) &
-                  *matmul(motions(zone%set(p))%displacement(self%base%foot(:, i)), frame(:2, 2:))
+                  *matmul(motions(zone%set(p))%displacement(self%base%foot(:, i)), &
+                  frame(:size(self%base%foot, 1), 2:))
             end do
          end do
       end associate
@@ -592,8 +594,9 @@ contains
       if (.not. allocated(acting%motions)) return
       do i = 1, size(contacts)
          associate (obstacle => contacts(i)%obstacle, motion => acting%motions(i))
-            obstacle%point(:2) = obstacle%point(:2) + motion%displacement(obstacle%point(:2))
-            obstacle%normal(:2) = cos(motion%turn)*obstacle%outward(2) + sin(motion%turn)*turned(obstacle%outward(2))
+            obstacle%point = obstacle%point + motion%displacement(obstacle%point)
+            if (size(self%base%foot, 1) == 2) obstacle%normal(:2) = cos(motion%turn)*obstacle%outward(2) &
+               + sin(motion%turn)*turned(obstacle%outward(2))
          end associate
       end do
    end function load_family_contacts_of
@@ -728,14 +731,15 @@ contains
    end function obstacle_motion_is_at_rest
 
    !> Displacement of a point of the obstacle. 1 - cos is written as a square of a sine, so that small angles keep their
-   !> digits (2) [L].
+   !> digits (n_dim) [L].
    pure function obstacle_motion_displacement(self, position) result(displacement)
       class(obstacle_motion_t), intent(in) :: self !! the motion
-      real(dp), intent(in) :: position(2) !! initial position of the point [L]
-      real(dp) :: displacement(2)
+      real(dp), intent(in) :: position(:) !! initial position of the point (n_dim) [L]
+      real(dp) :: displacement(size(position))
 
-      associate (arm => position - self%pivot)
-         displacement = self%shift + sin(self%turn)*turned(arm) - 2.0_dp*sin(0.5_dp*self%turn)**2*arm
+      displacement = self%shift(:size(position))
+      associate (arm => position(:2) - self%pivot)
+         displacement(:2) = displacement(:2) + sin(self%turn)*turned(arm) - 2.0_dp*sin(0.5_dp*self%turn)**2*arm
       end associate
    end function obstacle_motion_displacement
 

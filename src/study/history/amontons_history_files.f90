@@ -14,7 +14,7 @@ module amontons_history_files
    use amontons_history, only: history_t, is_shown
    use amontons_history_model, only: history_model_t, new_step_state, step_state_t
    use amontons_input_file, only: read_text_file
-   use amontons_key_results, only: lengths_t, new_lengths, wear_results
+   use amontons_key_results, only: lengths_t, new_lengths, resultants, wear_results
    use amontons_kinds, only: dp
    use amontons_manifest, only: case_entries, collection_head, collection_tail, manifest_t
    use amontons_output_file, only: output_file_t, remove_temporaries
@@ -118,12 +118,16 @@ contains
          'added_gap', 'wear_depth']
       integer, parameter :: state_kinds(size(state_labels)) = [number_alone, a_force, a_force, a_length, a_length, &
          a_length, a_length, an_energy, an_energy, own_scale + 7, own_scale + 7]
-      ! Which of these a twisted body has around the axis, too.
+      ! Which of these have a second tangent, around the axis of a twisted body.
       integer, parameter :: directed(*) = [3, 5, 6]
       type(step_state_t) :: rest
       integer, allocatable :: contents(:)
+      character(6) :: second
+      logical :: in_space
       integer :: axis, i, k, p
 
+      in_space = size(body%zone%position, 1) == 3
+      second = merge('_theta', '_2    ', body%materials%is_twisted())
       associate (history => model%history)
          contents = pack([of_steps, of_points, of_states, of_grids, of_cycles], [.true., history%points_every > 0, &
             history%states_every > 0, history%fields_every > 0, size(model%cycle_times) > 0])
@@ -142,13 +146,15 @@ contains
                call tables(i)%add('iterations,statuses', number_alone)
             case (of_points)
                call tables(i)%add('step,'//history%name//',point', number_alone)
-               call tables(i)%add('x,y,area', own_scale)
+               call tables(i)%add('x,y'//trim(merge(',z', '  ', in_space))//',area', own_scale)
                call tables(i)%add('normal_force,tangential_force', a_force)
+               if (in_space) call tables(i)%add('force_x,force_y,force_z', a_force)
                if (body%materials%is_twisted()) call tables(i)%add('tangential_force_theta', a_force)
                call tables(i)%add('contact_pressure,contact_shear', own_scale + 5)
                if (body%materials%is_twisted()) call tables(i)%add('contact_shear_theta', own_scale + 5)
                call tables(i)%add('gap,slip', a_length)
                if (body%materials%is_twisted()) call tables(i)%add('slip_theta', a_length)
+               if (in_space) call tables(i)%add('slip_x,slip_y,slip_z', a_length)
                call tables(i)%add('slip_step,slip_accumulated', a_length)
                call tables(i)%add('dissipation', an_energy)
                call tables(i)%add('wear_integral', own_scale + 6)
@@ -169,7 +175,7 @@ contains
                do k = 1, size(state_labels)
                   do axis = 1, merge(body%zone%n_tangents, 1, any(k == directed))
                      do p = 1, body%zone%n_points
-                        call tables(i)%add(trim(state_labels(k))//trim(merge('_theta', '      ', axis == 2))//'_'// &
+                        call tables(i)%add(trim(state_labels(k))//trim(merge(second, '      ', axis == 2))//'_'// &
                            to_text(p), state_kinds(k))
                      end do
                   end do
@@ -240,10 +246,13 @@ contains
    !=history.csv `step` | – | number of the step, from 1
    !=history.csv `time` | – | the pseudo-time at its end; called as `name` of `&history` says
    !=history.csv `factor_NAME`, `shift_x_NAME`, `shift_y_NAME`, `turn_NAME`, `friction_factor_NAME` | –, L, rad | a
-   !=   column for each number of each `&steps`, in the deck's order; `motion_factor_NAME` of a support where the load
-   !=   of its name, as that of a rigid set, has `&steps`, too
-   !=history.csv `open_length`, `slip_length`, `stick_length` | L | as in [Lengths](#lengths)
-   !=history.csv `normal_force`, `tangential_force` | F | sums over the contact points
+   !=   column for each number of each `&steps`, in the deck's order; `shift_z_NAME` of a solid in the place of
+   !=   `turn_NAME`; `motion_factor_NAME` of a support where the load of its name, as that of a rigid set, has `&steps`,
+   !=   too
+   !=history.csv `open_length`, `slip_length`, `stick_length` | L | as in [Lengths](#lengths); `open_area`, `slip_area`,
+   !=   `stick_area` [L²] of a solid
+   !=history.csv `normal_force`, `tangential_force` | F | sums over the contact points, of a solid the latter of
+   !=   magnitudes
    !=history.csv `work_loads`, `work_supports`, `work_obstacles` | F L | work done on the body since rest by loads,
    !=   moving supports and moving obstacles
    !=history.csv `strain_energy` | F L | of body and elastic foundations, $\tfrac12 u \cdot K u$; a temperature counts
@@ -257,7 +266,8 @@ contains
    !=history.csv `residual` | – | of the step's contact problem
    !=history.csv `open_length_1`, `slip_length_1`, `stick_length_1`, `normal_force_1`, `tangential_force_1`,
    !=   `open_length_2`, ... | L, F | the same of each contact set, where there are several
-   !=history.csv `ux_1`, `uy_1`, ... | L | displacements of the nodes at `probe`; of a twisted body `utheta_1`, too
+   !=history.csv `ux_1`, `uy_1`, ... | L | displacements of the nodes at `probe`; of a twisted body `utheta_1`, of a
+   !=   solid `uz_1`, too
    !=history.csv `reaction_x_NAME`, `force_normal_NAME`, `tie_x_NAME`, ... | F, F L | [forces by name](#forces-by-name),
    !=   all of their components
    !=history.csv `max_wear_depth`, `wear_volume_NAME`, ... | L, L³ | with `wear`: largest depth worn so far, volume that
@@ -278,7 +288,8 @@ contains
       do i = 1, size(model%history%steps)
          do k = 1, model%history%steps(i)%n_numbers()
             n = n + 1
-            call table%add(field(model%history%steps(i)%label(k)), number_alone, state%instant%numbers(n:n))
+            call table%add(field(model%history%steps(i)%label(k, size(body%mesh%coordinates, 1))), number_alone, &
+               state%instant%numbers(n:n))
          end do
       end do
       call add_contact_set(table, body, state, 0)
@@ -306,17 +317,15 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(step_state_t), intent(in) :: state !! the state at the end of a step, or at rest
       integer, intent(in) :: set !! number of the contact set; 0 for all
-      logical :: is_meant(body%zone%n_points)
       type(lengths_t) :: lengths
+      type(quantity_t) :: forces(2)
 
-      is_meant = set == 0 .or. body%zone%set == set
       call new_lengths(lengths, body%zone, state%solution%status, set)
-      call table%add('open_length,slip_length,stick_length', number_alone, [lengths%open, lengths%slip, &
-         lengths%stick], set)
-      associate (force => state%solution%force, m => body%zone%n_points)
-         call table%add('normal_force,tangential_force', a_force, [sum(force(:m), mask=is_meant), &
-            sum(force(m + 1:2*m), mask=is_meant)], set)
-      end associate
+      call table%add(trim(merge('open_area,slip_area,stick_area      ', 'open_length,slip_length,stick_length', &
+         lengths%are_areas)), number_alone, [lengths%open, lengths%slip, lengths%stick], set)
+      forces = resultants(merge(state%solution%force, 0.0_dp, [spread(set == 0 .or. body%zone%set == set, 2, 1 &
+         + body%zone%n_tangents)]), body%zone%n_points, lengths%are_areas)
+      call table%add('normal_force,tangential_force', a_force, forces%value, set)
    end subroutine add_contact_set
 
    !> The rows that the last step adds to a table; empty for that of the grids.
@@ -385,6 +394,9 @@ contains
    !=   `fretting`: stress along the surface, and [parameters](guide.md#fretting) of the cycle so far
    !=points.csv `tangential_force_theta`, `contact_shear_theta`, `slip_theta` | F, F/L², L | of a twisted body: the same
    !=   around the axis; `slip_step` is then a length
+   !=points.csv `z`, `force_x`, `force_y`, `force_z`, `slip_x`, `slip_y`, `slip_z` | L, F, L | of a solid: force of the
+   !=   obstacle on the body, and slip since rest; `tangential_force`, `contact_shear`, `slip` and `slip_step` are then
+   !=   magnitudes
    !> The rows of the contact points of a step. The slip is the distance that a point has moved on the obstacle along
    !> its tangent, the gap is the remaining one.
    pure function points_rows(model, body, stepping) result(rows)
@@ -392,24 +404,33 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(time_stepping_t), intent(in) :: stepping !! the time stepping at the end of the step
       character(:), allocatable :: rows, start, lines(:)
-      real(dp), allocatable :: record(:, :)
+      real(dp), allocatable :: record(:, :), forces(:, :), slips(:, :)
       real(dp) :: gap(body%zone%n_points)
-      integer :: p, m, length
+      integer :: p, m, n, length
 
       m = body%zone%n_points
       record = stepping%point_record(body)
       start = to_text(stepping%n_steps)//','//to_text(stepping%state%instant%time)//','
-      allocate (character(len(start) + (14 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
+      allocate (character(len(start) + (18 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
       associate (state => stepping%state, zone => body%zone)
          gap = state%instant%gap - matmul(model%energies%prescribed(:m, :), state%instant%factor) &
             - state%solution%displacement(:m)
+         ! Along each tangent; in space magnitudes, and the vectors behind them.
+         n = merge(1, zone%n_tangents, size(zone%position, 1) == 3)
+         slips = reshape(state%solution%displacement(m + 1:) - state%instant%motion, [m, zone%n_tangents])
+         forces = reshape(state%solution%force(m + 1:), shape(slips))
+         if (n < zone%n_tangents) then
+            forces = reshape([tangential_norm([forces], m), -transpose(zone%global_vectors(state%solution%force))], &
+               [m, 4])
+            slips = reshape([tangential_norm([slips], m), transpose(zone%global_vectors([0.0_dp*gap, slips]))], [m, 4])
+         end if
          do p = 1, m
             lines(p) = start
             length = len(start)
             call put_integer(lines(p), length, p)
-            call put_decimals(lines(p), length, [zone%position(:, p), zone%area(p), state%solution%force(p::m), &
-               state%solution%force(p::m)/zone%area(p), gap(p), &
-               state%solution%displacement(m + p::m) - state%instant%motion(p::m), record(p, :)])
+            call put_decimals(lines(p), length, [zone%position(:, p), zone%area(p), state%solution%force(p), &
+               forces(p, :), state%solution%force(p)/zone%area(p), forces(p, :n)/zone%area(p), gap(p), slips(p, :), &
+               record(p, :)])
             lines(p)(length + 1:) = ','//status_names(state%solution%status(p))
          end do
       end associate

@@ -30,7 +30,7 @@ module amontons_history_model
       outcome_solved
    use amontons_rounding, only: exceeds, sum_rounding
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
-   use amontons_text, only: scientific, to_text
+   use amontons_text, only: place_text, scientific, to_text
    implicit none (type, external)
    private
 
@@ -193,7 +193,7 @@ contains
       type(load_case_t), intent(in) :: prepared !! the load case of the deck, without factors
       type(config_t), intent(in) :: config !! the deck
       type(error_t), allocatable, intent(out) :: error !! no such method; loads, supports or probes do not fit the body
-      character(6), parameter :: displacements(3) = [character(6) :: 'ux', 'uy', 'utheta']
+      character(6) :: displacements(3)
       type(parting_t) :: parting
       integer :: i, k
 
@@ -226,6 +226,7 @@ contains
       if (allocated(error)) return
       model%named = named_quantities(body)
       allocate (model%probe_names(size(model%probe_row, 2)))
+      displacements = [character(6) :: 'ux', 'uy', merge('utheta', 'uz    ', body%materials%is_twisted())]
       do i = 1, size(model%probe_names)
          associate (name => model%probe_names(i), n => 1 + body%zone%n_tangents)
             name%key = trim(displacements(1 + modulo(i - 1, n)))//'_'//to_text(1 + (i - 1)/n)
@@ -320,15 +321,17 @@ contains
       type(history_t), intent(in) :: history !! the history
       type(body_t), intent(in) :: body !! the body
       type(error_t), allocatable, intent(out) :: error !! no node is there
-      integer :: i
+      integer :: i, n
 
-      allocate (nodes(history%n_probes()))
-      do i = 1, size(nodes)
-         associate (position => history%probes(2*i - 1:2*i))
-            nodes(i) = body%mesh%nearest_node(position)
-            if (nodes(i) > 0) cycle
+      n = size(body%mesh%coordinates, 1)
+      allocate (nodes(0))
+      if (.not. allocated(history%probes)) return
+      do i = n, size(history%probes), n
+         associate (position => history%probes(i - n + 1:i))
+            nodes = [nodes, body%mesh%nearest_node(position)]
+            if (nodes(i/n) > 0) cycle
             call new_error(error, input_refused, history%probe_origin//'probe: no node at the point '// &
-               to_text(position(1))//', '//to_text(position(2)))
+               place_text(position))
             return
          end associate
       end do
@@ -372,8 +375,9 @@ contains
             if (self%part_of(i) > 0) instant%factor(self%part_of(i)) = numbers(first)
             do k = 1, size(motions)
                if (change%target /= stepped_obstacle) exit
-               if (change%acts_on(self%solver%loads%base%contacts(k))) motions(k) = &
-                  obstacle_motion_t(numbers(first:first + 1), numbers(first + 2), change%pivot)
+               if (.not. change%acts_on(self%solver%loads%base%contacts(k))) cycle
+               motions(k) = obstacle_motion_t([numbers(first:first + 1), 0.0_dp], numbers(first + 2), change%pivot)
+               if (size(body%mesh%coordinates, 1) == 3) motions(k) = obstacle_motion_t(numbers(first:first + 2))
             end do
             first = first + change%n_numbers()
          end associate

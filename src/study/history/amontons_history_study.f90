@@ -274,6 +274,7 @@ contains
       type(history_model_t), intent(in) :: model !! the history
       type(lengths_t) :: lengths
       type(quantity_t), allocatable :: peaks(:)
+      type(quantity_t) :: forces(2)
       real(dp), allocatable :: numbers(:)
       logical :: is_warned(n_case_warnings)
 
@@ -282,8 +283,9 @@ contains
          call self%worst%update([state%solution%residual, state%imbalance, state%indicator, 0.0_dp, &
             merge(state%indicator, 0.0_dp, stepping%is_jump), state%wear_feedback], stepping%n_steps)
          peaks = contact_peaks(body, state%solution, state%instant%motion)
-         numbers = [peaks%value, sum(state%solution%force(:m)), sum(state%solution%force(m + 1:2*m)), &
-            model%probed(state%instant%factor, state%solution%displacement), state%named]
+         forces = resultants(state%solution%force, m, .not. allocated(body%zone%line))
+         numbers = [peaks%value, forces%value, model%probed(state%instant%factor, state%solution%displacement), &
+            state%named]
          if (size(self%extremes) == 0) self%extremes = spread(numbers, 2, 2)
          self%extremes(:, 1) = min(self%extremes(:, 1), numbers)
          self%extremes(:, 2) = max(self%extremes(:, 2), numbers)
@@ -295,8 +297,8 @@ contains
          if (.not. any(abs(state%instant%time - model%history%times) <= 0.0_dp)) return
          call new_lengths(lengths, body%zone, state%solution%status)
          self%reached = reshape([self%reached, state%instant%time, lengths%open, lengths%slip, lengths%stick, &
-            sum(state%solution%force(:m)), sum(state%solution%force(m + 1:2*m)), state%strain_energy, &
-            state%load_work + state%support_work + state%obstacle_work, sum(state%dissipation)], &
+            forces%value, state%strain_energy, state%load_work + state%support_work + state%obstacle_work, &
+            sum(state%dissipation)], &
             [n_reached_numbers, size(self%reached, 2) + 1])
       end associate
    end subroutine history_result_record_step
@@ -478,14 +480,16 @@ contains
       type(config_t), intent(in) :: config !! the deck
       character(13), parameter :: labels(*) = [character(13) :: 'open', 'slip', 'stick', 'normal force', &
          'tang. force', 'strain energy', 'work', 'dissipated']
-      character(3), parameter :: dimensions(size(labels)) = [character(3) :: 'L', 'L', 'L', 'F', 'F', 'F L', 'F L', &
-         'F L']
+      character(3) :: dimensions(size(labels))
       type(quantity_t), allocatable :: energies(:), extremes(:), fretting(:)
       real(dp) :: force, length, energy, before(2)
       character(:), allocatable :: text, note, table
-      integer :: i, k, n, width
+      integer :: i, k, n, n_dim, width
 
+      n_dim = size(result%last%load_case%foot, 1)
       result%last%earlier_violation = max(result%worst(of_violation)%value, result%worst(of_identities)%value)
+      dimensions = [character(3) :: spread(merge('L^2', 'L  ', n_dim == 3), 1, 3), 'F', 'F', 'F L', &
+         'F L', 'F L']
       energies = energies_of(result%stepping%state)
       ! They have a scale, unlike sums over the steps.
       extremes = pack(result%last%history_results, result%last%history_results%scale > 0.0_dp)
@@ -498,7 +502,7 @@ contains
       associate (history => config%history, stepping => result%stepping)
          text = heading('Load history')
          do i = 1, size(history%steps)
-            text = text//labeled('Changes', steps_text(history%steps(i)))
+            text = text//labeled('Changes', steps_text(history%steps(i), n_dim))
          end do
          ! Says which loads act in full from the first time on.
          note = ''
@@ -564,14 +568,15 @@ contains
    end subroutine describe_history
 
    !> Text naming a change and its least and largest numbers.
-   pure function steps_text(steps) result(text)
+   pure function steps_text(steps, n_dim) result(text)
       type(steps_t), intent(in) :: steps !! the change
+      integer, intent(in) :: n_dim !! number of dimensions of the body
       character(:), allocatable :: text
       integer :: k
 
       text = trim(moved_things(steps%target))//" '"//steps%name//"'"
       do k = 1, steps%n_numbers()
-         text = text//'; '//steps%label(k)//' from '//short_text(minval(steps%table(1 + k, :)))//' to '// &
+         text = text//'; '//steps%label(k, n_dim)//' from '//short_text(minval(steps%table(1 + k, :)))//' to '// &
             short_text(maxval(steps%table(1 + k, :)))
       end do
    end function steps_text
@@ -633,7 +638,8 @@ contains
       character(:), allocatable :: text
       integer :: i, k, since
 
-      associate (stepping => result%stepping, state => result%stepping%state)
+      associate (stepping => result%stepping, state => result%stepping%state, &
+         n_dim => size(result%last%load_case%foot, 1))
          text = '{'//quantity_members(numbers)//', "complete": '//json_logical(len(stepping%fault) == 0)// &
             ', "end": '//json_string(stepping%fault)
          if (len(stepping%fault) > 0) text = text//', "end_time": '//json_number(stepping%fault_time)
@@ -643,7 +649,7 @@ contains
          do i = 1, size(config%history%steps)
             do k = 1, config%history%steps(i)%n_numbers()
                if (i > 1 .or. k > 1) text = text//', '
-               text = text//json_string(config%history%steps(i)%label(k))
+               text = text//json_string(config%history%steps(i)%label(k, n_dim))
             end do
          end do
          text = text//'], "time": '//json_number(state%instant%time)

@@ -13,6 +13,7 @@ module amontons_time_stepping
    use amontons_checkpoint, only: archive_t
    use amontons_contact_problem, only: contact_problem_t
    use amontons_error, only: error_t, input_refused, new_error
+   use amontons_friction_law, only: tangential_norm
    use amontons_history, only: history_t
    use amontons_history_model, only: history_model_t, instant_t, new_step_state, restore_step_state, step_state_t, &
       take_step
@@ -186,32 +187,37 @@ contains
       class(cycle_record_t), intent(inout) :: self !! the cycle; gains its numbers
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state at its end
-      real(dp) :: drift(size(state%instant%motion)), slip(size(state%worn)), dissipation, changes(3), force
+      real(dp) :: drift(size(state%instant%motion)), slip(size(state%worn)), dissipation, changes(3), largest
       real(dp), allocatable :: parameters(:, :)
-      integer :: t
+      integer :: t, m
 
       ! The columns: 1 + t forces, t positions, slip, dissipation, t drifts.
       t = (size(self%points, 2) - n_scalars)/n_tangentials
       drift = position(state) - reshape(self%points(:, t + 2:2*t + 1), shape(drift))
       slip = state%accumulated_slip - self%points(:, 2*t + 2)
       dissipation = sum(state%dissipation - self%points(:, 2*t + 3))
-      force = max(tiny(1.0_dp), maxval(abs(state%solution%force)), maxval(abs(self%points(:, :1 + t))))
-      changes = [(dissipation - self%dissipation_before)/max(tiny(1.0_dp), dissipation, self%dissipation_before, &
-         computed_rounding*self%turnover), maxval(abs(state%solution%force - reshape(self%points(:, :1 + t), &
-         shape(state%solution%force))))/force, maxval(abs(drift - reshape(self%points(:, 2*t + 4:), shape(drift))))]
+      m = size(slip)
+      associate (force => state%solution%force, before => reshape(self%points(:, :1 + t), [m*(1 + t)]))
+         largest = max(tiny(1.0_dp), maxval(abs(force(:m))), maxval(tangential_norm(force(m + 1:), m)), &
+            maxval(abs(before(:m))), maxval(tangential_norm(before(m + 1:), m)))
+         changes = [(dissipation - self%dissipation_before)/max(tiny(1.0_dp), dissipation, self%dissipation_before, &
+            computed_rounding*self%turnover), max(maxval(abs(force(:m) - before(:m))), &
+            maxval(tangential_norm(force(m + 1:) - before(m + 1:), m)))/largest, &
+            maxval(tangential_norm(drift - reshape(self%points(:, 2*t + 4:), shape(drift)), m))]
+      end associate
       self%numbers = 0.0_dp
       self%numbers(:n_plain_numbers) = [real(model%cycle_at(state%instant%time), dp), self%begin, state%instant%time, &
          real(self%n_steps, dp), work(state) - self%work, state%strain_energy - self%strain_energy, dissipation, &
          work(state) - self%work - (state%strain_energy - self%strain_energy) - dissipation, maxval(slip), &
-         maxval(abs(drift)), changes, &
+         maxval(tangential_norm(drift, m)), changes, &
          real(outcome(self%has_before, dissipation <= computed_rounding*self%turnover, changes, maxval(slip), &
-         maxval(abs(drift)), model%history%cycle_tolerance), dp)]
+         maxval(tangential_norm(drift, m)), model%history%cycle_tolerance), dp)]
       if (allocated(model%surface)) then
          parameters = self%fretting%parameters()
          self%numbers(n_plain_numbers + 1:) = maxval(parameters(:, 2:4), dim=1)
       end if
       self%dissipation_before = dissipation
-      self%points(:, 2*t + 4:) = reshape(drift, [size(slip), t])
+      self%points(:, 2*t + 4:) = reshape(drift, [m, t])
       self%has_before = .true.
       self%is_begun = .false.
       self%is_finished = .true.
