@@ -14,11 +14,13 @@ module amontons_config_groups
    use amontons_loads, only: load_on_motion, load_t, new_load
    use amontons_material, only: formulation_names, hypothesis_names, material_t
    use amontons_mesh_file, only: mesh_part_t
-   use amontons_obstacle, only: obstacle_dimensions, obstacle_names
+   use amontons_obstacle, only: obstacle_dimensions, obstacle_names, obstacle_t
    use amontons_rigid_set, only: rigid_components
    use amontons_rounding, only: input_rounding
+   use amontons_surface_file, only: read_surface_file
    use amontons_sweep, only: key_result_names, sweep_t
    use amontons_text, only: counted, to_text
+   use amontons_triangulation, only: new_triangulation
    implicit none (type, external)
    private
 
@@ -634,7 +636,7 @@ contains
    subroutine describe_contact(visitor, contact)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(contact_t), intent(inout) :: contact !! the contact set
-      logical :: is_pair, has_kind, has_point, has_normal, has_radius, has_axis
+      logical :: is_pair, has_kind, has_point, has_normal, has_radius, has_axis, has_line, has_file
       character(len(multiplier_names)) :: multipliers
       logical :: has_gap, has_wear
 
@@ -665,12 +667,14 @@ contains
       ! Describes the keys of a rigid obstacle and of the gap to it.
       has_kind = .not. is_pair
       has_point = has_kind
-      has_normal = has_kind
       call visitor%word(key_t('obstacle', 'the rigid obstacle', also='kind type shape'), contact%obstacle%kind, &
          obstacle_names, has_kind)
       has_radius = contact%obstacle%has_radius()
-      call visitor%vector(key_t('point', 'a point of the obstacle: its apex; of a polyline, where its 0, 0 is put', &
-         'L', also='origin center centre apex'), contact%obstacle%point, has_point)
+      has_line = contact%obstacle%kind == 'polyline'
+      has_file = contact%obstacle%kind == 'surface'
+      has_normal = has_kind .and. .not. has_file
+      call visitor%vector(key_t('point', 'a point of the obstacle: its apex; of a polyline or surface, where the'// &
+         ' origin of its file is put', 'L', also='origin center centre apex'), contact%obstacle%point, has_point)
       associate (normal => contact%obstacle%normal)
          if (visitor%n_dim > 0 .and. .not. any(abs(normal) > 0.0_dp)) normal(visitor%n_dim) = 1.0_dp
       end associate
@@ -683,8 +687,15 @@ contains
       call visitor%reals(key_t('axis', 'of a cylinder, where it is required: direction of its axis, perpendicular'// &
          ' to `normal`, of any length', default='none', is_nonzero=.true.), contact%obstacle%axis, has_axis)
       call visitor%text(key_t('line', 'of a polyline, where it is required: file of its points', is_file=.true., &
-         is_filled=.true., also='file'), contact%obstacle%file)
+         is_filled=.true.), contact%obstacle%file, has_line)
       call visitor%table('line', contact%obstacle%file, contact%obstacle%line)
+      call visitor%text(key_t('file', 'of a surface, where it is required: its triangles, an STL file (text or'// &
+         ' binary) or a Gmsh mesh', is_file=.true., is_filled=.true.), contact%obstacle%file, has_file)
+      call visitor%text(key_t('part', 'of a surface in a Gmsh mesh: the physical surface that it is', &
+         default='all triangles', is_filled=.true.), contact%obstacle%part)
+      call visitor%list(key_t('inside', 'of a surface: a point in the rigid body, which tells its sides; without it'// &
+         ' the corners of each triangle must be counterclockwise seen from outside', 'L'), contact%obstacle%inside)
+      call read_surface(visitor, contact%obstacle)
       call visitor%vector(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
          default="the body's normal", is_nonzero=.true., is_shared=.true.), contact%direction)
       call describe_field(visitor, gap_keys, contact%extra_gap)
@@ -708,7 +719,7 @@ contains
       ! Judges the keys of a `&contact` together.
       if (.not. visitor%is_judging()) return
       if (contact%pairing%is_pair()) then
-         call visitor%only('obstacle point normal radius axis line gap_direction', .false., &
+         call visitor%only('obstacle point normal radius axis line file part inside gap_direction', .false., &
             'a rigid obstacle, not with against')
          call visitor%require(contact%pairing%against /= contact%set, 'against', 'against must name another set'// &
             " than set; for self contact, split the set '"//contact%set//"' in two, the lips of a slit by "// &
@@ -731,6 +742,10 @@ contains
          call visitor%only('line', obstacle%kind == 'polyline', "obstacle = 'polyline'")
          call visitor%require(visitor%has('line') .or. obstacle%kind /= 'polyline', 'obstacle', &
             "obstacle = 'polyline' needs line = 'FILE.csv'")
+         call visitor%only('file part inside', obstacle%kind == 'surface', "obstacle = 'surface'")
+         call visitor%require(visitor%has('file') .or. obstacle%kind /= 'surface', 'obstacle', &
+            "obstacle = 'surface' needs file = 'FILE.stl'")
+         call visitor%only('normal', obstacle%kind /= 'surface', 'an obstacle without a file of triangles')
       end associate
       call visitor%only('cells cell_ends', contact%partition%is_constant, "multipliers = 'constant'")
       if (contact%partition%is_constant) call visitor%state_dimensions(2, 'multipliers', " = 'constant'")
@@ -738,6 +753,27 @@ contains
       call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
          'give either cells or cell_ends')
    end subroutine describe_contact
+
+   !> Reads the triangles of an obstacle.
+   subroutine read_surface(visitor, obstacle)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(obstacle_t), intent(inout) :: obstacle !! the obstacle
+      type(error_t), allocatable :: error
+      real(dp), allocatable :: place(:, :), inside(:)
+
+      if (.not. (obstacle%kind == 'surface' .and. visitor%has('file') .and. is_filled(obstacle%file))) return
+      if (visitor%has('inside')) then
+         call visitor%require(size(obstacle%inside) == 3, 'inside', 'inside must have three numbers')
+         if (size(obstacle%inside) /= 3) return
+         inside = obstacle%inside - obstacle%point
+      end if
+      call read_surface_file(place, obstacle%file, obstacle%part, error)
+      if (.not. allocated(error)) then
+         call new_triangulation(obstacle%surface, place, error, inside)
+         if (allocated(error)) error%message = obstacle%file//': '//error%message
+      end if
+      if (allocated(error)) call visitor%require(.false., 'file', 'file: '//error%message)
+   end subroutine read_surface
 
    !> Describes one `&tie`.
    subroutine describe_tie(visitor, tie)

@@ -292,7 +292,10 @@ contains
                with_unit(short_text(contact%pairing%search), units, 'L')
          else
             text = text//', '//trim(obstacle%kind)//' at '//with_unit(vector_text(obstacle%point(:n_dim)), units, &
-               'L')//' with normal '//vector_text(obstacle%given_normal(n_dim))
+               'L')
+            if (obstacle%kind == 'surface') text = text//', '//counted(size(obstacle%surface%corner, 2), 'triangle')// &
+               ' of '//obstacle%file//trim(merge(', open  ', ', closed', obstacle%surface%has_ends))
+            if (obstacle%kind /= 'surface') text = text//' with normal '//vector_text(obstacle%given_normal(n_dim))
             if (obstacle%kind == 'cylinder') text = text//', axis '//vector_text(obstacle%axis)
             if (obstacle%has_radius()) text = text//', radius '//with_unit(short_text(obstacle%radius), units, 'L')
             if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file

@@ -1,17 +1,19 @@
 !> Rigid obstacles, each given by a point and a normal: plane, circle, parabola and polyline in the plane; plane,
-!> sphere, cylinder and paraboloid in space.
+!> sphere, cylinder and paraboloid in space, where a surface of triangles is another one.
 !>
 !> In the frame of an obstacle h is the last coordinate, along its normal, towards the body, and s are those across it:
 !> in the plane along (n_y, -n_x), in space any two, of a cylinder the second along its axis. An obstacle with a
 !> positive radius is convex (a punch), one with a negative radius concave (a seat).
 !>
 !> An obstacle is solid behind its surface and free in front of it. Gaps follow, by the same rule for every kind, from
-!> the positions where a line along the normal of the body enters and leaves the obstacle. A polyline must not cross
-!> itself, since no side of it would then be the inside.
+!> the positions where a line along the normal of the body enters and leaves the obstacle. A polyline or surface must
+!> not cross itself, since no side of it would then be the inside.
 module amontons_obstacle
    use amontons_dense, only: vector_product
+   use amontons_integer_list, only: integer_list_t
    use amontons_kinds, only: dp
    use amontons_rounding, only: computed_rounding, sum_rounding
+   use amontons_triangulation, only: next_corner, triangulation_t
    implicit none (type, external)
    private
 
@@ -20,12 +22,12 @@ module amontons_obstacle
 
    !> Kinds of obstacles, as a deck writes them.
    character(10), parameter :: obstacle_names(*) = [character(10) :: 'plane', 'circle', 'parabola', 'polyline', &
-      'sphere', 'cylinder', 'paraboloid']
+      'sphere', 'cylinder', 'paraboloid', 'surface']
 
    !> A rigid obstacle. In the plane the third numbers of its vectors have no meaning.
    type :: obstacle_t
       character(10) :: kind = 'plane' !! one of `obstacle_names`
-      real(dp) :: point(3) = 0.0_dp !! origin of its frame: a point of its surface, or where 0, 0 of a polyline is [L]
+      real(dp) :: point(3) = 0.0_dp !! origin of its frame: a point of its surface, or that of a file [L]
       real(dp) :: normal(3) = 0.0_dp
          !! direction of its outward normal there, of any length; all 0 for the last axis, y in the plane and z in space
          !! [-]
@@ -33,7 +35,10 @@ module amontons_obstacle
       real(dp) :: radius = 1.0_dp
          !! radius of curvature at the point, if the kind has one, of a cylinder across its axis; negative if hollow [L]
       real(dp), allocatable :: line(:, :) !! points (s, h) of a polyline, the free side on the left (2, points) [L]
-      character(:), allocatable :: file !! the file of the polyline; empty or not allocated without one
+      character(:), allocatable :: file !! the file of the polyline or surface; empty or not allocated without one
+      character(:), allocatable :: part !! the set of this file that is the surface; empty or not allocated for all
+      real(dp), allocatable :: inside(:) !! a point behind the surface; not allocated where the file tells its sides [L]
+      type(triangulation_t) :: surface !! the surface, in coordinates from `point` on
    contains
       procedure, private :: crossings => obstacle_crossings
       procedure :: depth => obstacle_depth
@@ -86,6 +91,8 @@ contains
          crossings = conic_crossings(self%radius, [1.0_dp, 0.0_dp, 1.0_dp], x, e)
       case ('polyline')
          crossings = polyline_crossings(self%line, x, e)
+      case ('surface')
+         crossings = surface_crossings(self%surface, position - self%point, direction)
       case default
          associate (n => size(x))
             if (abs(e(n)) > sum_rounding) crossings = [crossing_t(-x(n)/e(n), -e(n), norm2(e(:n - 1)))]
@@ -121,6 +128,51 @@ contains
       end do
    end function polyline_crossings
 
+   !> The positions where a line crosses a surface of triangles; it enters the obstacle from their free side.
+   pure function surface_crossings(surface, x, e) result(crossings)
+      type(triangulation_t), intent(in) :: surface !! the surface
+      real(dp), intent(in) :: x(3) !! starting point of the line [L]
+      real(dp), intent(in) :: e(3) !! its direction, a unit vector [-]
+      type(crossing_t), allocatable :: crossings(:)
+      type(integer_list_t) :: near
+      real(dp) :: p(3, 3), height(3), along(3), inward(3), share, way, reach
+      integer :: i, k, edge, ends(2)
+
+      allocate (crossings(0))
+      reach = surface%rounding + sum_rounding*maxval(abs(x))
+      call surface%find_near(x, e, reach, near)
+      do i = 1, near%n
+         associate (normal => surface%normal(:, near%item(i)), corner => surface%corner(:, near%item(i)))
+            if (.not. abs(dot_product(normal, e)) > sum_rounding) cycle
+            ! Along the line, and across it.
+            p = surface%vertex(:, corner) - spread(x, 2, 3)
+            height = matmul(e, p)
+            do k = 1, 3
+               p(:, k) = p(:, k) - height(k)*e
+            end do
+            do k = 1, 3
+               along = p(:, next_corner(k)) - p(:, k)
+               inward(k) = sign(1.0_dp, dot_product(normal, e))*dot_product(vector_product(p(:, k), along), e) &
+                  /max(norm2(along), reach)
+            end do
+            if (any(inward < -reach)) cycle
+            way = dot_product(normal, height(1)*e + p(:, 1))/dot_product(normal, e)
+            ! At a common edge or corner triangles are crossed at the same position.
+            if (any(inward <= reach)) then
+               edge = minloc(inward, dim=1)
+               ends = [edge, next_corner(edge)]
+               if (corner(ends(1)) > corner(ends(2))) ends = ends(2:1:-1)
+               along = p(:, ends(2)) - p(:, ends(1))
+               share = min(1.0_dp, max(0.0_dp, -dot_product(p(:, ends(1)), along)/dot_product(along, along)))
+               way = height(ends(1)) + share*(height(ends(2)) - height(ends(1)))
+               if (count(inward <= reach) > 1) way = height(minloc(norm2(p, dim=1), dim=1))
+            end if
+            if (abs(way) <= reach) way = 0.0_dp
+            crossings = [crossings, crossing_t(way, -dot_product(normal, e), sine(e, normal))]
+         end associate
+      end do
+   end function surface_crossings
+
    !> Depth of a point in the obstacle, measured along the obstacle's normal: back to where the line entered or, at a
    !> concave surface, forward to where it leaves; behind a steep flank the distance to it; 0 in free space [L].
    pure real(dp) function obstacle_depth(self, position) result(depth)
@@ -128,7 +180,7 @@ contains
       real(dp), intent(in) :: position(:) !! the point (n_dim) [L]
       type(crossing_t), allocatable :: crossings(:)
       real(dp) :: direction(size(position)), gap, cosine
-      logical :: is_met
+      logical :: is_met, is_beyond
       integer :: first
 
       direction = -self%outward(size(position))
@@ -136,6 +188,8 @@ contains
       depth = max(0.0_dp, -gap)
       ! Behind a steep flank the distance from the flank counts, not the length up to its upper end.
       if (.not. is_met) depth = depth*cosine
+      if (self%kind == 'surface' .and. gap < 0.0_dp) call self%surface%find_nearest(position - self%point, -gap, &
+         depth, is_beyond)
       if (is_met .or. depth > 0.0_dp .or. self%has_ends()) return
       crossings = self%crossings(position, direction)
       if (size(crossings) == 0) return
@@ -151,7 +205,7 @@ contains
       select case (kind)
       case ('circle', 'parabola', 'polyline')
          n_dim = 2
-      case ('sphere', 'cylinder', 'paraboloid')
+      case ('sphere', 'cylinder', 'paraboloid', 'surface')
          n_dim = 3
       case default
          n_dim = 0
@@ -204,20 +258,23 @@ contains
       integer :: n
 
       has_ends = .false.
+      if (self%kind == 'surface') has_ends = self%surface%has_ends
       if (self%kind /= 'polyline') return
       n = size(self%line, 2)
       has_ends = norm2(self%line(:, n) - self%line(:, 1)) > sum_rounding*maxval(abs(self%line))
    end function obstacle_has_ends
 
    !> Whether a point lies beyond an end of the surface: the nearest position of the surface is an end.
-   pure logical function obstacle_is_passed(self, position) result(is_passed)
+   pure logical function obstacle_is_passed(self, position, reach) result(is_passed)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(:) !! the point (n_dim) [L]
+      real(dp), intent(in) :: reach !! a bound of its distance from the surface [L]
       real(dp) :: x(size(position)), share, nearest, distance
       integer :: i, n
 
       is_passed = .false.
-      if (.not. self%has_ends()) return
+      if (self%kind == 'surface') call self%surface%find_nearest(position - self%point, reach, distance, is_passed)
+      if (self%kind == 'surface' .or. .not. self%has_ends()) return
       x = matmul(transpose(self%frame(size(x))), position - self%point(:size(x)))
       n = size(self%line, 2) - 1
       nearest = huge(nearest)
@@ -237,7 +294,7 @@ contains
    pure logical function obstacle_has_radius(self) result(has_radius)
       class(obstacle_t), intent(in) :: self !! the obstacle
 
-      has_radius = self%kind /= 'plane' .and. self%kind /= 'polyline'
+      has_radius = all(self%kind /= [character(10) :: 'plane', 'polyline', 'surface'])
    end function obstacle_has_radius
 
    !> The unit vector along a nonzero vector, whose square may overflow or underflow [-].
@@ -325,7 +382,7 @@ contains
 
       crossings = self%crossings(position, direction)
       if (any(.not. crossings%way > 0.0_dp)) then
-         if (self%is_passed(position)) crossings = pack(crossings, crossings%way > 0.0_dp)
+         if (self%is_passed(position, minval(abs(crossings%way)))) crossings = pack(crossings, crossings%way > 0.0_dp)
       end if
       found = find_entry(crossings)
       gap = 0.0_dp

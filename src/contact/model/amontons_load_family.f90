@@ -324,6 +324,7 @@ contains
          if (any(load_case%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
          hint = ''
          if (contacts(i)%obstacle%kind == 'polyline') hint = ', its free side on the left of the way along its points'
+         if (contacts(i)%obstacle%kind == 'surface') hint = ', its triangles counterclockwise seen from the free side'
          call new_error(error, input_refused, contacts(i)%origin//'the boundary does not face its obstacle; '// &
             'check the place of the obstacle, and that its normal points to the body'//hint)
          return
