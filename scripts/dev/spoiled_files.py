@@ -23,18 +23,23 @@ GROUP = re.compile(rb"&\w+[^/&]*/\n?")
 
 BODY = (b"&mesh size = 4.0, 2.0  cells = 6, 3 /\n&material young = 1000.0  poisson = 0.3 /\n"
         b"&support set = 'right'  ux = 0.0 /\n&load set = 'top'  pressure = 1.0 /\n")
+SOLID = (b"&mesh kind = 'box'  size = 2.0, 2.0, 1.0  cells = 3, 3, 2 /\n&material young = 1000.0  poisson = 0.3 /\n"
+         b"&support set = 'top'  ux = 0.0  uy = 0.0  uz = -0.01 /\n")
 TABLES = {
     "line": b"# x, y of a polyline\n-1.0, 0.1\n1.0, 0.0\n2.5 0.0\n5.0, 0.3\n",
     "friction_table": b"# length, coefficient\n0.0, 0.1\n1.5, 0.5\n4.0, 0.3\n",
     "gap_table": b"length; gap\n0.0; 0.0\n1.5; -0.001\n4.0; 0.002\n",
     "slip_bound_table": b"length stress\n0.0 0.1\n1.5 0.5\n4.0 0.3\n",
+    "file": b"solid roof\n" + b"".join(
+        b"facet normal 0 0 1\n outer loop\n  vertex -1 -1 0\n  vertex %s\n  vertex %s\n endloop\nendfacet\n" % corners
+        for corners in ((b"3 -1 -0.1", b"3 3 0.0"), (b"3 3 0.0", b"-1 3 -2e-1"))) + b"endsolid roof\n",
 }
 
 
 def body_with_table(key, name):
     """A deck around a table."""
-    shape = " obstacle = 'polyline'" if key == "line" else ""
-    return BODY + b"&contact set = 'bottom' %s  %s = '%s' /\n" % (shape.encode(), key.encode(), name.encode())
+    shape = {"line": " obstacle = 'polyline'", "file": " obstacle = 'surface'"}.get(key, "")
+    return (SOLID if key == "file" else BODY) + b"&contact set = 'bottom' %s  %s = '%s' /\n" % (shape.encode(), key.encode(), name.encode())
 
 
 def files_of(folders, ending):
