@@ -117,7 +117,8 @@ class ContactTraps(ProgramTest):
 
     def test_order_of_materials_and_of_other_groups_is_of_no_matter(self):
         groups = ["material young = 100.0  poisson = 0.3",
-                  "material region = 'left half'  young = 300.0  poisson = 0.2", "contact set = 'bottom'  friction = 0.3",
+                  "material region = 'left half'  young = 300.0  poisson = 0.2",
+                  "contact set = 'bottom'  friction = 0.3",
                   "load set = '40'  pressure = 1.0",
                   "support set = 'right end'  ux = 0.01", "load set = '40'  traction = 0.1, 0.2, 0.0"]
         for file in ("tet4-41.msh", "hex8-41.msh", "tet10-22.msh", "hex20-22.msh"):

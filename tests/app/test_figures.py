@@ -67,7 +67,7 @@ class Obstacles(ProgramTest):
         file = self.directory / "line.csv"
         file.write_text("s,h\n-1,0\n1,0\n", encoding="utf-8")
         placed = {"point": [0.0, 0.0], "normal": [0.0, 1.0], "radius": 2.0, "line": str(file)}
-        of_solids = {"sphere", "cylinder", "paraboloid"}
+        of_solids = {"sphere", "cylinder", "paraboloid", "surface"}
         for kind in {*words_of("contact", "obstacle")} - of_solids:
             self.assertGreater(len(surface({**placed, "obstacle": kind}, WINDOW)), 1, kind)
         with self.assertRaisesRegex(ValueError, "obstacle 'cusp' cannot be drawn"):
