@@ -31,15 +31,16 @@ TABLES = {
     "gap_table": b"length; gap\n0.0; 0.0\n1.5; -0.001\n4.0; 0.002\n",
     "slip_bound_table": b"length stress\n0.0 0.1\n1.5 0.5\n4.0 0.3\n",
     "file": b"solid roof\n" + b"".join(
-        b"facet normal 0 0 1\n outer loop\n  vertex -1 -1 0\n  vertex %s\n  vertex %s\n endloop\nendfacet\n" % corners
-        for corners in ((b"3 -1 -0.1", b"3 3 0.0"), (b"3 3 0.0", b"-1 3 -2e-1"))) + b"endsolid roof\n",
+        b"facet normal 0 0 1\n outer loop\n  vertex -1 -1 0\n  vertex %s\n  vertex %s\n endloop\nendfacet\n" % ends
+        for ends in ((b"3 -1 -0.1", b"3 3 0.0"), (b"3 3 0.0", b"-1 3 -2e-1"))) + b"endsolid roof\n",
 }
 
 
 def body_with_table(key, name):
     """A deck around a table."""
     shape = {"line": " obstacle = 'polyline'", "file": " obstacle = 'surface'"}.get(key, "")
-    return (SOLID if key == "file" else BODY) + b"&contact set = 'bottom' %s  %s = '%s' /\n" % (shape.encode(), key.encode(), name.encode())
+    body = SOLID if key == "file" else BODY
+    return body + b"&contact set = 'bottom' %s  %s = '%s' /\n" % (shape.encode(), key.encode(), name.encode())
 
 
 def files_of(folders, ending):
