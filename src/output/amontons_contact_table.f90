@@ -208,9 +208,11 @@ contains
          call add('gap', 'gap', 'L', load_case%free_gap - result%solution%displacement(:m), length, .true.)
          call add('slip', 'slip', 'L', slip, max(length, maxval(abs(load_case%obstacle_motion))), .true.)
          call add('normal_force', 'normal force', 'F', force(:m), 0.0_dp)
-         call add('tangential_force', 'tang. force', 'F', shear, 0.0_dp)
+         ! In space shear is a part of vectors, and has their rounding errors.
+         call add('tangential_force', 'tang. force', 'F', shear, merge(maxval(abs(force)), 0.0_dp, in_space))
          call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)
-         call add('contact_shear', 'shear', 'F/L^2', shear/zone%area, 0.0_dp, .true.)
+         call add('contact_shear', 'shear', 'F/L^2', shear/zone%area, merge(maxval(abs(force(:m)/zone%area)), &
+            0.0_dp, in_space), .true.)
          if (in_space) then
             at_points = reshape(zone%global_vectors([0.0_dp*slip, motion]), shape(at_points))
             do i = 1, n

@@ -5,6 +5,7 @@ import math
 import unittest
 
 from harness import ProgramTest, block
+from mapped_solid import mapped_solid
 
 TOP = "support set = 'top'  ux = 0.02  uy = 0.005  uz = -0.05"
 FLOOR = "contact set = 'bottom'  friction = 0.3"
@@ -137,6 +138,21 @@ class SolidContact(ProgramTest):
                     for name, exact in expected.items():
                         self.assertAlmostEqual(key[f"contact_{name}"], exact, delta=1e-11, msg=name)
                     self.assertAlmostEqual(key["rigid_grip_force_x"], 0.1, delta=1e-11)
+
+    def test_aslant_body_without_friction_is_verified(self):
+        # Its shears are rounding errors of forces along no axis.
+        cosine, sine = math.cos(0.3), math.sin(0.3)
+
+        def aslant(r, s, t):
+            return r*cosine + t*sine, s*cosine - (t*cosine - r*sine)*sine, s*sine + (t*cosine - r*sine)*cosine
+        normal = sine, -sine*cosine, cosine*cosine
+        deck = block("support set = 'top'  ux = 0.001  uy = 0.001  uz = -0.002", "contact set = 'bottom'  "
+                     f"normal = {normal[0]}, {normal[1]}, {normal[2]}  obstacle = 'sphere'  radius = 40.0",
+                     material="young = 1.0  poisson = 0.3",
+                     mesh=f"file = '{self.write('cube.msh', mapped_solid((3, 3, 3), 'hex8', aslant))}'")
+        result = self.solve_verified(deck)
+        self.assertLess(max(result["tangential_force"]), 1e-15)
+        self.assertGreater(max(result["normal_force"]), 1e-5)
 
     def test_row_of_a_sweep_is_the_case(self):
         rest = ("load set = 'top'  pressure = 1.0", FLOOR)

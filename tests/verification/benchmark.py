@@ -23,6 +23,7 @@ HERE = Path(__file__).resolve().parent
 DECKS = HERE/"decks"
 MESHES = HERE.parent/"meshes"
 ELEMENTS = ("tri3", "quad4", "tri6", "quad8", "quad9")
+SOLIDS = ("tet4", "tet10", "hex8", "hex20")
 VALUE = r"(?:'[^']*'|[^\s,/'!]+)"
 
 

@@ -410,7 +410,7 @@ contains
             points%rows%block(:, :, i) = points%rows%block(:, :, i)*share(i)
          end do
          points%quadrature = contact_quadrature_t(start=points%rows%start, position=body%mesh%coordinates(:, node), &
-            normal=normal(:, kept(own)), outward=sum(normal(:, kept(own))*patch%normal(:, place), dim=1), &
+            normal=normal(:, place), outward=sum(normal(:, place)*patch%normal(:, place), dim=1), &
             arc_length=arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
          points%acting = reshape([(matmul(points%quadrature%position(:, points%rows%start(i):points%rows%start(i + 1) &
             - 1), share(points%rows%start(i):points%rows%start(i + 1) - 1)), i=1, n)], [size(direction), n])

@@ -253,7 +253,8 @@ contains
       type(error_t), allocatable, intent(out) :: error
          !! a boundary that faces away, an overlap larger than the body, or a negative friction
       real(dp), parameter :: out_of_reach = 1.0e3_dp
-      real(dp) :: corners(size(mesh%coordinates, 1), 2), size_of_body, extent, gap, cosine, weight
+      real(dp) :: corners(size(mesh%coordinates, 1), 2), size_of_body, extent, gap, cosine, weight, &
+         share_of_gap
       integer :: p, i, q
       character(:), allocatable :: hint
       logical :: is_met
@@ -289,13 +290,18 @@ contains
                   if (.not. is_met) load_case%depth(p) = max(load_case%depth(p), contact%obstacle%depth(position))
                   load_case%is_in_reach(p) = load_case%is_in_reach(p) .and. is_met
                   load_case%cosine(p) = min(load_case%cosine(p), cosine)
-                  load_case%gap(p) = load_case%gap(p) + share*gap
-                  load_case%extra_gap(p) = load_case%extra_gap(p) &
-                     + share*contact%extra_gap%at(position, quadrature%arc_length(q))
-                  ! A node with shares of others, which are negative, has the friction at its own place.
+                  ! A node with shares of others, which are negative, has the friction at its own place. Gaps of the
+                  ! others are vectors along their own normals, as displacements are.
                   weight = share
-                  if (.not. (zone%is_cell(p) .or. contact%pairing%is_pair())) weight = merge(1.0_dp, 0.0_dp, &
-                     q == quadrature%start(p))
+                  share_of_gap = share
+                  if (.not. (zone%is_cell(p) .or. contact%pairing%is_pair())) then
+                     weight = merge(1.0_dp, 0.0_dp, q == quadrature%start(p))
+                     if (q > quadrature%start(p)) share_of_gap = share*dot_product(quadrature%normal(:, q), &
+                        zone%normal(p))
+                  end if
+                  load_case%gap(p) = load_case%gap(p) + share_of_gap*gap
+                  load_case%extra_gap(p) = load_case%extra_gap(p) &
+                     + share_of_gap*contact%extra_gap%at(position, quadrature%arc_length(q))
                   load_case%friction(p) = load_case%friction(p) &
                      + weight*contact%friction%at(position, quadrature%arc_length(q))
                   load_case%slip_bound(p) = load_case%slip_bound(p) &
