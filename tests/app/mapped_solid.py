@@ -14,9 +14,9 @@ def mapped_solid(cells, element, mapping=lambda r, s, t: (r, s, t), set_of=lambd
     """The text of a mesh file: cells[0] by cells[1] by cells[2] cells, the point (r, s, t) of the unit cube put to
     mapping(r, s, t).
 
-    The boundary sets are left (r = 0), right, front (s = 0), back, bottom (t = 0), top; `set_of` may give a face another
-    name by its middle (r, s, t). The region is body. Tetrahedra are six to a cell, about its diagonal. A ring closes
-    upon itself along s: it has neither front nor back.
+    The boundary sets are left (r = 0), right, front (s = 0), back, bottom (t = 0), top; `set_of` may give a face
+    another name by its middle (r, s, t). The region is body. Tetrahedra are six to a cell, about its diagonal. A ring
+    closes upon itself along s: it has neither front nor back.
     """
     order = 2 if element in ("tet10", "hex20") else 1
     number, rows, names = {}, [], {}

@@ -7,9 +7,9 @@ each of the meshes. On an incline of slope $\tan a$ a block that is pushed sidew
 H^2 \le (\mu V \cos a)^2$; the largest $H$ is found by bisection. A reduced problem of four points on an incline has
 unique sums of forces.
 
-`auto` needs at most 8 steps of Newton's method on the cubes. Tolerances: the digits of the references; 3e-5 of the limit on
-the incline: of round cones the program takes 1e-6 of the works of the loads for rounding (doc/theory.md, section 4), and
-$H$ is an unfavorable part of these.
+`auto` needs at most 8 steps of Newton's method on the cubes. Tolerances: the digits of the references; 3e-5 of the
+limit on the incline: of round cones the program takes 1e-6 of the works of the loads for rounding (doc/theory.md,
+section 4), and $H$ is an unfavorable part of these.
 """
 import csv
 import math
@@ -63,7 +63,8 @@ class SolidCube(Benchmark):
     def test_limit_on_an_incline(self):
         values = ValueTable("Sideways push on an incline that friction bears", ["slope", "friction", "downhill"])
         for slope, friction, angle in self.meshes(((0.25, 0.3, 0.0), (0.1, 0.2, 0.7)),
-                                                  ((0.25, 0.3, 0.0), (0.1, 0.2, 0.7), (0.0, 0.4, 2.0), (0.5, 0.6, 4.0))):
+                                                  ((0.25, 0.3, 0.0), (0.1, 0.2, 0.7), (0.0, 0.4, 2.0),
+                                                   (0.5, 0.6, 4.0))):
             low, high = 0.0, WEIGHT
             exact = WEIGHT*math.sqrt((friction**2 - slope**2)/(1 + slope**2))
             while high - low > 1e-8:

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 r"""Force on a half space: Boussinesq and Cerruti.
 
-A force of 1 on the surface of a half space, normal to it or along it. Displacements on the surface fall with the distance
-$r$: $u_z = (1-\nu)P/(2\pi G r)$ under a normal force, $u_x = P((1-\nu) + \nu x^2/r^2)/(2\pi G r)$ under one along $x$. A
-quarter of a block, whose far sides are held where the half space has them.
+A force of 1 on the surface of a half space, normal to it or along it. Displacements on the surface fall with the
+distance $r$: $u_z = (1-\nu)P/(2\pi G r)$ under a normal force, $u_x = P((1-\nu) + \nu x^2/r^2)/(2\pi G r)$ under one
+along $x$. A quarter of a block, whose far sides are held where the half space has them.
 
-At the force the displacement is infinite; elements feel that to some cells from it. Compared are the nodes of the surface
-at distances from four cells of the even core on. Tolerance: 2 % on the finest mesh.
+At the force the displacement is infinite; elements feel that to some cells from it. Compared are the nodes of the
+surface at distances from four cells of the even core on. Tolerance: 2 % on the finest mesh.
 """
 import math
 

@@ -2,14 +2,14 @@
 r"""Flat round punch in space, pressed and turned.
 
 Half a space on a flat rigid disc of radius $a$, its rim a line of the mesh. Pressed in by $d$ it needs $P = 2aE^*d$ (I.
-N. Sneddon, 1946); a quarter of it, with Boussinesq's displacements of the force $P$ far away. Turned by $\theta$ it needs
-$T = \frac{16}3 G a^3\theta$ where it sticks (E. Reissner, H. F. Sagoci, 1944), $\frac\pi4 \mu P a$ where all of it
-slips; the whole of it, turned by a rigid plate at $10a$.
+N. Sneddon, 1946); a quarter of it, with Boussinesq's displacements of the force $P$ far away. Turned by $\theta$ it
+needs $T = \frac{16}3 G a^3\theta$ where it sticks (E. Reissner, H. F. Sagoci, 1944), $\frac\pi4 \mu P a$ where all of
+it slips; the whole of it, turned by a rigid plate at $10a$.
 
 The pressure is infinite at the rim, so that forces converge with order 1 on every element. $h$ is the width of a cell
-over $a$ at the rim. Around the disc the surface lies $3\cdot 10^{-4} a$ higher, and what it sinks is less: the floor is plane,
-and the certificate would find it in the floor. Tolerance: an order of 0.7 at least between the two finest meshes, of 0.6
-in the test.
+over $a$ at the rim. Around the disc the surface lies $3\cdot 10^{-4} a$ higher, and what it sinks is less: the floor is
+plane, and the certificate would find it in the floor. Tolerance: an order of 0.7 at least between the two finest
+meshes.
 """
 import math
 
