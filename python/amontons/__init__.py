@@ -1,4 +1,4 @@
-"""Plane contact with Coulomb friction, from Python: NumPy arrays in and out.
+"""Contact with Coulomb friction, from Python: NumPy arrays in and out.
 
     import amontons
     result = amontons.solve_deck("bar.nml", contact__friction=0.3)  # or a text, or a dict of groups

@@ -96,8 +96,8 @@ class Case:
 
     @property
     def is_solid(self) -> bool:
-        """Whether it is a body in space, which no picture shows yet."""
-        return self.kind == "body" and self.mesh.cells[0][0].startswith(("tetra", "hexahedron"))
+        """Whether it is a body in space."""
+        return self.kind == "body" and self.mesh.is_solid
 
     @cached_property
     def mesh(self) -> Grid:
@@ -107,15 +107,16 @@ class Case:
     @cached_property
     def line(self) -> Grid:
         """The contact points, NAME.contact.vtu without the masters of pairs."""
-        return part(self._both_lines, self._both_lines.point_data["status"] > 0)
+        return part(self.contact_grid, self.contact_grid.point_data["status"] > 0)
 
     @cached_property
     def master(self) -> Grid:
         """The lines of the masters of pairs, the rest of NAME.contact.vtu."""
-        return part(self._both_lines, self._both_lines.point_data["status"] == 0)
+        return part(self.contact_grid, self.contact_grid.point_data["status"] == 0)
 
     @cached_property
-    def _both_lines(self) -> Grid:
+    def contact_grid(self) -> Grid:
+        """NAME.contact.vtu."""
         return read_grid(self.path + ".contact.vtu")
 
     @cached_property

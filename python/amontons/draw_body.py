@@ -42,7 +42,7 @@ def fields(mesh: Grid) -> dict[str, Array]:
                 found[name] = values
                 continue
             if values.shape[1] == 3:
-                found[name] = np.hypot(values[:, 0], values[:, 1])
+                found[name] = np.linalg.norm(values[:, :3 if mesh.is_solid else 2], axis=1)
             for component, column in zip(COMPONENTS[values.shape[1]], values.T):
                 found[f"{name}_{component}"] = column
     return found
@@ -91,7 +91,7 @@ def initial_gaps(case: Case) -> Array:
     line = case.line
     moved = line.point_data.get("jump", line.point_data["displacement"])
     gaps = line.point_data["gap"] + (moved * line.point_data["normal"]).sum(axis=1)
-    size = np.ptp(case.mesh.points[:, :2], axis=0).max()
+    size = np.ptp(case.mesh.points, axis=0).max()
     return np.where(np.abs(gaps) > 2 * size, np.nan, gaps)
 
 
@@ -108,7 +108,7 @@ def magnification(case: Case) -> float:
     those beside an obstacle whose shape would be stretched with its gaps. Those that close a gap between two bodies, or
     an overlap, are magnified as far as is not seen there: the bodies would be drawn into each other, or apart."""
     gaps = np.abs(initial_gaps(case))
-    size = np.ptp(case.mesh.points[:, :2], axis=0).max()
+    size = np.ptp(case.mesh.points, axis=0).max()
     largest = np.abs(case.mesh.point_data["displacement"]).max()
     if largest == 0.0 or np.nanmax(gaps, initial=0.0) > VISIBLE * size:
         return 1.0
@@ -201,16 +201,15 @@ def rounding(case: Case, name: str) -> float:
         young = max((np.max(material["young"]) for material in case.groups("material")), default=0.0)
     except OSError:
         return 0.0
-    size = np.ptp(case.mesh.points[:, :2], axis=0).max()
+    size = np.ptp(case.mesh.points, axis=0).max()
     return float(ROUNDING * young * np.abs(case.mesh.point_data["displacement"]).max() / size)
 
 
-def draw_bar(axes: Axes, drawn: Any, field: Field) -> None:
+def draw_bar(axes: Axes, drawn: Any, label: str, uniform: Optional[float] = None) -> None:
     """The bar of a field; of a uniform one it has its one value."""
-    uniform = field.uniform
     bar = axes.figure.colorbar(drawn, cax=axes.inset_axes([1.03, 0.0, 0.035, 1.0]),
                                ticks=None if uniform is None else [uniform])
-    bar.set_label(field.label if uniform is None else field.label + ", uniform")
+    bar.set_label(label if uniform is None else label + ", uniform")
     bar.outline.set_linewidth(0.4)
     bar.solids.set_rasterized(True)  # as one image: viewers draw seams between the patches of a vector bar
     if uniform is not None:
@@ -301,7 +300,7 @@ def draw_body(axes: Axes, case: Case, name: str, factor: Optional[float] = None)
     field = moved_field(case, factor, name)
     drawn = draw_field(axes, field, has_lines=True)
     draw_scene(axes, case, factor)
-    draw_bar(axes, drawn, field)
+    draw_bar(axes, drawn, field.label, field.uniform)
     if len(case.line.points):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.6, ncols=2, frameon=False)
 

@@ -11,7 +11,7 @@ from matplotlib.colors import ListedColormap
 
 from amontons.cases import Case, CaseFault, dimension_of
 from amontons.draw_line import Canvas, Stretch, closed_part, names_of, points_of, stretches
-from amontons.draw_sweep import quantity
+from amontons.draw_sweep import ZONES as AREAS, quantity
 from amontons.grid import Array
 
 # In the order of the letters of run lengths.
@@ -57,7 +57,7 @@ def default_loop(case: Case, rows: list[dict[str, str]]) -> Sequence[str]:
 
 def axis_label(case: Case, name: str) -> str:
     """The words for a column on an axis."""
-    if re.fullmatch(r"u[xy]_\d+", name):
+    if re.fullmatch(r"u[xyz]_\d+", name):
         return case.label(f"{name[:2]} of probe {name[3:]}", "L")
     return case.label(quantity(name), dimension_of(name))
 
@@ -79,8 +79,12 @@ def shown_part(case: Case, rows: list[dict[str, str]]) -> list[Stretch]:
 
 def draw_zones(axes: Canvas, case: Case) -> None:
     """The zones along the contact line over the pseudo-time; contact sets, or their pieces, follow each other, with
-    nothing between."""
+    nothing between. Of a solid their areas."""
     rows = case.table("history")
+    if case.is_solid:
+        draw_over_time(axes, case, [(name, color) for name, color in AREAS.items() if name in rows[0]],
+                       case.label("area", "L²"))
+        return
     sets = shown_part(case, rows)
     time = column(case, rows, list(rows[0])[1])
     states = statuses_of(rows)[points_of(sets)]
@@ -96,6 +100,18 @@ def draw_zones(axes: Canvas, case: Case) -> None:
     axes.set(xlabel=list(rows[0])[1], ylabel=case.label("s", "L") + names_of(case, sets))
 
 
+def draw_over_time(axes: Canvas, case: Case, columns: list[tuple[str, str]], label: str) -> None:
+    """Columns of the steps, pairs of name and color, over the pseudo-time."""
+    rows = case.table("history")
+    time = list(rows[0])[1]
+    for name, color in columns:
+        axes.plot(column(case, rows, time), column(case, rows, name), color=color,
+                  label=name.replace("_", " ") if len(columns) > 1 else None)
+    axes.set(xlabel=time, ylabel=label)
+    if len(columns) > 1:
+        axes.legend(frameon=False)
+
+
 def edges(places: Array, at_end: bool = False) -> Array:
     """Where the cells of places end: between them, or each at its place, if it stands for what led there."""
     if len(places) == 1:
@@ -107,9 +123,14 @@ def edges(places: Array, at_end: bool = False) -> Array:
 
 
 def draw_wear_or_dissipation(axes: Canvas, case: Case) -> None:
-    """The worn depth of each point of the contact line; without wear what friction took there, over its length."""
+    """The worn depth of each point of the contact line; without wear what friction took there, over its length. Of a
+    solid the largest depth, or all that friction took, over the pseudo-time."""
     table, history, largest = case.table("contact"), case.table("history"), 0.0
     wears = "max_wear_depth" in history[0]
+    if case.is_solid:
+        name = "max_wear_depth" if wears else "dissipation"
+        draw_over_time(axes, case, [(name, "black")], axis_label(case, name))
+        return
     sets = shown_part(case, history)
     for one in sets:
         rows = [table[point] for point in one.points]

@@ -25,6 +25,11 @@ class Grid:
     point_data: dict[str, Array]    # arrays by name (n_points) or (n_points, n_components)
     cell_data: dict[str, Array]     # arrays by name (n_cells) or (n_cells, n_components), all cells in turn
 
+    @property
+    def is_solid(self) -> bool:
+        """Whether its cells are solids."""
+        return bool(self.cells) and self.cells[0][0].startswith(("tetra", "hexahedron"))
+
 
 def read_grid(path: Union[str, os.PathLike[str]]) -> Grid:
     """Reads a grid; a ValueError says that the file is damaged."""

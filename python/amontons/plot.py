@@ -1,8 +1,9 @@
 """Draws solved cases: the deformed body with a field, its contact points and obstacles; contact stress, slip and gap
 along the contact line; the residuals. Where only a small part of the line is closed, that part is shown, and the
-body there once more. Of a sweep: the zones of the contact line over the swept quantities. Writes CASE.png and CASE.svg
-beside the files of the case; of a load history, CASE.steps.png and CASE.steps.svg too: its loop, the zones over the
-pseudo-time, the dissipation or the worn depth along the line."""
+body there once more. Of a solid: both its sides, and maps of pressure, statuses and slip of its contact sets. Of a
+sweep: the zones of the contact line over the swept quantities. Writes CASE.png and CASE.svg beside the files of the
+case; of a load history, CASE.steps.png and CASE.steps.svg too: its loop, the zones over the pseudo-time, the
+dissipation or the worn depth along the line."""
 from __future__ import annotations
 
 import argparse
@@ -25,6 +26,7 @@ from amontons.draw_body import FIELD, draw_body, draw_detail
 from amontons.draw_line import (ABSCISSAS, LINE_PANELS, Stretch, abscissa_label, closed_part, closed_zone,
                                 draw_history, has_detail, points_of, stretches)
 from amontons.draw_steps import draw_loop, draw_wear_or_dissipation, draw_zones
+from amontons.draw_solid import NODAL_FIELD, QUANTITIES, draw_map as draw_contact_map, draw_solid, maps_of
 from amontons.draw_sweep import draw_curves, draw_forces, draw_map, quantity, study_of
 
 FORMATS = ("png", "svg", "pdf")
@@ -32,6 +34,8 @@ BODY_PANELS = {"body": draw_body, "detail": draw_detail}
 PANELS = (*BODY_PANELS, *LINE_PANELS, "history")
 HEIGHTS = {"body": 2.0, "stress": 1.4}  # of panels, over that of the others
 INCH = 25.4  # mm
+LOW = 0.7  # height of the residuals of a solid over that of a map
+BROAD = 0.8  # height over width of a place from which on the two sides of a solid are one above the other
 LABEL_LETTERS = 6.5  # of a label below a panel, for each inch of the figure
 SIZES = {"body": (240, 165), "sweep": (240, 85), "curve": (150, 95), "reduced": (170, 140), "steps": (240, 80)}  # mm
 STYLE = {"font.size": 8, "axes.titlesize": "medium", "axes.linewidth": 0.5, "lines.linewidth": 1.0,
@@ -69,6 +73,38 @@ def draw_panels(case: Case, panels: Sequence[Any], size: Sequence[float], field:
                 draw_history(axes[name], case)
         label = textwrap.fill(abscissa_label(case, abscissa, shown, sets), int(LABEL_LETTERS * size[0]))
         draw_line([(name, axes[name]) for name in column if name in LINE_PANELS], case, shown, label)
+    return drawn
+
+
+def draw_solid_panels(case: Case, panels: Sequence[Any], size: Sequence[float], field: Optional[str],
+                      scale: Optional[float]) -> Figure:
+    """A figure of a solid with the panels named: both sides of the body on the left, a row for each contact set on the
+    right."""
+    maps = maps_of(case)
+    columns = [name for name in panels if name in QUANTITIES and maps]
+    has_history = "history" in panels
+    if not columns and not {"body", "history"} & set(panels):
+        raise CaseFault(f"{case.path}: nothing to show in the panels {', '.join(panels)}")
+    drawn = plt.figure(figsize=size, layout="constrained")
+    is_alone = "body" not in panels or not (columns or has_history)
+    parts = iter(drawn.subfigures(1, 1 if is_alone else 2, squeeze=False,
+                                  width_ratios=[1.0] if is_alone else [1.0, max(1, len(columns)) * 0.6])[0])
+    if "body" in panels:
+        part = next(parts)
+        shape = (2, 1) if size[1] > BROAD * size[0] * (1.0 if is_alone else 0.45) else (1, 2)
+        draw_solid(list(part.subplots(*shape, squeeze=False).ravel()), case, field, scale)
+    if columns or has_history:
+        part = next(parts)
+        # One set has its maps above each other, several have a row each.
+        rows = [[(one, name) for name in columns] for one in maps] if columns else []
+        rows = [[one] for one in rows[0]] if len(rows) == 1 else rows
+        grid = part.add_gridspec(len(rows) + has_history, max(map(len, rows), default=1),
+                                 height_ratios=[1.0] * len(rows) + [LOW] * has_history)
+        for i, row in enumerate(rows):
+            for j, (one, name) in enumerate(row):
+                draw_contact_map(part.add_subplot(grid[i, j]), one, name)
+        if has_history:
+            draw_history(part.add_subplot(grid[-1, :]), case)
     return drawn
 
 
@@ -130,6 +166,14 @@ def figure(case: Union[Case, str, os.PathLike[str]], panels: Optional[Sequence[s
         elif case.kind == "reduced":
             drawn, title = draw_reduced(case, inches), case.heading
         else:
+            title = case.heading
+            if case.is_solid:
+                if abscissa is not None:
+                    raise CaseFault(f"{case.path}: abscissa is not for a solid")
+                every = ("body", "stress", "slip", "history") if len(case.line.points) else ("body",)
+                drawn = draw_solid_panels(case, panels or every, inches, field, scale)
+                drawn.suptitle(plain(title))
+                return drawn
             # Without contact points there are no iterations to show.
             every = PANELS if len(case.line.points) else tuple(BODY_PANELS)
             drawn = draw_panels(case, panels or every, inches, field or FIELD, scale, abscissa or "s")
@@ -195,8 +239,8 @@ def parser() -> Parser:
                          help="a folder of cases, any file of a case, or the path of its files without their endings")
     options.add_argument("--field", metavar="NAME",
                          help=f"field that colors the body: an array of NAME.vtu, of vectors and tensors with its "
-                         f"component, as in nodal_stress_xy or displacement_x (default: {FIELD}); of a sweep a column "
-                         "of NAME.sweep.csv (default: the zones)")
+                         f"component, as in nodal_stress_xy or displacement_x (default: {FIELD}, of a solid "
+                         f"{NODAL_FIELD}); of a sweep a column of NAME.sweep.csv (default: the zones)")
     options.add_argument("--scale", type=factor_of, metavar="FACTOR",
                          help="magnification of displacements and gaps (default: a round number that shows them)")
     options.add_argument("--format", type=words_of(FORMATS), default=["png", "svg"], metavar="WORD,...",
@@ -231,9 +275,6 @@ def main(arguments: Sequence[str]) -> int:
             case = Case(path)
             if not case.has_state:
                 print(f"plot: {path}: {case.summary['outcome'].replace('_', ' ')}, nothing to draw", file=sys.stderr)
-                continue
-            if case.is_solid:
-                print(f"plot: {path}: there are no pictures of solids yet; ParaView opens {path}.vtu", file=sys.stderr)
                 continue
             drawn = figure(case, options.panels, options.field, scale=options.scale, abscissa=options.abscissa,
                            size=options.size)

@@ -6,6 +6,7 @@ import base64
 import functools
 import struct
 import zlib
+from typing import Optional
 
 import numpy as np
 from matplotlib import colormaps
@@ -22,24 +23,65 @@ def cell_image(polygons: list[tuple[Array, Array]], window: Array, size: tuple[i
     width, height = size
     pixels = np.zeros(height * width, np.uint8)
     for corners, colors in polygons:
-        # In pixels from the upper left corner of the window, as x and y (n_cells, n_corners).
-        x, y = np.moveaxis((corners - [window[0, 0], window[1, 1]]) * [width, -height] / np.ptp(window, axis=0), 2, 0)
-        # The rows whose middles a cell meets, one pair of cell and row after the other.
-        first, last = _middles(y.min(axis=1), height), _middles(y.max(axis=1), height)
-        cell, row = _ranges(first, last)
-        left, right = np.full(len(row), np.inf), np.full(len(row), -np.inf)
-        for i in range(x.shape[1]):
-            j = (i + 1) % x.shape[1]
-            # Each side from its upper end, so that both its cells find the same crossings.
-            upper, lower = (y[:, i] <= y[:, j]), (y[:, i] > y[:, j])
-            x0, x1 = np.where(upper, x[:, i], x[:, j])[cell], np.where(lower, x[:, i], x[:, j])[cell]
-            y0, y1 = np.where(upper, y[:, i], y[:, j])[cell], np.where(lower, y[:, i], y[:, j])[cell]
-            crosses = (y0 <= row + 0.5) & (row + 0.5 < y1)
-            at = x0 + (row + 0.5 - y0) * ((x1 - x0) / np.where(crosses, y1 - y0, 1.0))
-            left, right = np.where(crosses, np.minimum(left, at), left), np.where(crosses, np.maximum(right, at), right)
-        span, column = _ranges(_middles(left, width), _middles(right, width))
-        pixels[row[span] * width + column] = colors[cell[span]]
+        cell, pixel = _covered(corners, window, size)
+        pixels[pixel] = colors[cell]
     return pixels.reshape(height, width)
+
+
+def nearest(triangles: Array, window: Array, size: tuple[int, int]) -> tuple[Array, Array, Array]:
+    """What is seen of triangles in a window: which of them is in front in each pixel, -1 where there is none, the
+    weights of its corners at the middle of the pixel, and the depth (height, width), rows from above. Corners have
+    places in the window, as x and y, and a depth, which grows towards the eye (n, 3, 3)."""
+    width, height = size
+    triangle, pixel = _covered(triangles[..., :2], window, size)
+    # The weights of the second and the third corner as a number and its changes by a column and a row.
+    first = triangles[:, 0]
+    a, b = triangles[:, 1] - first, triangles[:, 2] - first
+    area = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    area[area == 0.0] = np.inf
+    column, row = np.ptp(window[:, 0]) / width, -np.ptp(window[:, 1]) / height
+    x, y = window[0, 0] + column / 2 - first[:, 0], window[1, 1] + row / 2 - first[:, 1]
+    second = np.stack([x * b[:, 1] - y * b[:, 0], column * b[:, 1], -row * b[:, 0]]) / area
+    third = np.stack([y * a[:, 0] - x * a[:, 1], -column * a[:, 1], row * a[:, 0]]) / area
+    depth = second * a[:, 2] + third * b[:, 2]
+    depth[0] += first[:, 2]
+    y, x = np.divmod(pixel, width)
+    far = depth[0][triangle] + depth[1][triangle] * x + depth[2][triangle] * y
+    number, depths = np.full(height * width, -1), np.full(height * width, -np.inf)
+    while len(pixel):  # as often as triangles cover each other
+        nearer = np.flatnonzero(far > depths[pixel])
+        triangle, pixel, far = triangle[nearer], pixel[nearer], far[nearer]
+        number[pixel], depths[pixel] = triangle, far
+    here = np.flatnonzero(number >= 0)
+    y, x = np.divmod(here, width)
+    weights = np.zeros((height * width, 3))
+    weights[here, 1], weights[here, 2] = (share[0][number[here]] + share[1][number[here]] * x
+                                          + share[2][number[here]] * y for share in (second, third))
+    weights[here, 0] = 1.0 - weights[here, 1] - weights[here, 2]
+    return number.reshape(height, width), weights.reshape(height, width, 3), depths.reshape(height, width)
+
+
+def _covered(corners: Array, window: Array, size: tuple[int, int]) -> tuple[Array, Array]:
+    """The pixels whose middles are in convex polygons (n, n_corners, 2): pairs of polygon and pixel, polygon by
+    polygon."""
+    width, height = size
+    # In pixels from the upper left corner of the window, as x and y (n, n_corners).
+    x, y = np.moveaxis((corners - [window[0, 0], window[1, 1]]) * [width, -height] / np.ptp(window, axis=0), 2, 0)
+    # The rows whose middles a cell meets, one pair of cell and row after the other.
+    first, last = _middles(y.min(axis=1), height), _middles(y.max(axis=1), height)
+    cell, row = _ranges(first, last)
+    left, right = np.full(len(row), np.inf), np.full(len(row), -np.inf)
+    for i in range(x.shape[1]):
+        j = (i + 1) % x.shape[1]
+        # Each side from its upper end, so that both its cells find the same crossings.
+        upper, lower = (y[:, i] <= y[:, j]), (y[:, i] > y[:, j])
+        x0, x1 = np.where(upper, x[:, i], x[:, j])[cell], np.where(lower, x[:, i], x[:, j])[cell]
+        y0, y1 = np.where(upper, y[:, i], y[:, j])[cell], np.where(lower, y[:, i], y[:, j])[cell]
+        crosses = (y0 <= row + 0.5) & (row + 0.5 < y1)
+        at = x0 + (row + 0.5 - y0) * ((x1 - x0) / np.where(crosses, y1 - y0, 1.0))
+        left, right = np.where(crosses, np.minimum(left, at), left), np.where(crosses, np.maximum(right, at), right)
+    span, column = _ranges(_middles(left, width), _middles(right, width))
+    return cell[span], row[span] * width + column
 
 
 def _middles(places: Array, count: int) -> Array:
@@ -67,15 +109,24 @@ def palette(name: str) -> Array:
     return colors
 
 
-def png_text(pixels: Array, colors: Array) -> str:
+def png_text(pixels: Array, colors: Optional[Array] = None) -> str:
     """The address of an image that holds it: a PNG of pixels (height, width), 0 where it is transparent, else the
-    place in the table of colors (n, 3), from 1."""
-    height, width = pixels.shape
-    lines = np.zeros((height, width + 1), np.uint8)  # each begins with its filter, none
-    lines[:, 1:] = pixels
-    table = np.concatenate([np.zeros((1, 3), np.uint8), colors])
+    place in the table of colors (n, 3), from 1; or of red, green, blue and opacity from 0 to 1 (height, width, 4)."""
+    height, width = pixels.shape[:2]
+    depth = 1 if colors is not None else 4
+    lines = np.zeros((height, 1 + depth * width), np.uint8)  # each begins with its filter
+    if colors is not None:
+        lines[:, 1:] = pixels
+        table = np.concatenate([np.zeros((1, 3), np.uint8), colors])
+        parts = [(b"PLTE", table.tobytes()), (b"tRNS", b"\0")]
+    else:
+        # In steps of a 64th, and as differences to the pixel on the left: that needs half the room.
+        whole = np.rint(255 / 63 * np.rint(63.0 * pixels)).astype(np.uint8)
+        lines[:, 0] = 1
+        lines[:, 1:] = np.diff(whole, axis=1, prepend=np.uint8(0)).reshape(height, -1)
+        parts = []
     content = b"\x89PNG\r\n\x1a\n"
-    for kind, data in ((b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0)), (b"PLTE", table.tobytes()),
-                       (b"tRNS", b"\0"), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b"")):
+    for kind, data in ((b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 3 if parts else 6, 0, 0, 0)), *parts,
+                       (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b"")):
         content += struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     return "data:image/png;base64," + base64.b64encode(content).decode("ascii")

@@ -158,11 +158,12 @@ placeholder="bar friction&gt;0.3" title="words of names, titles and values that 
 def key_results_of(case: Case) -> str:
     """The key results of a case, with the places of those that have one; of a sweep their range, with its cases."""
     results = case.summary.get("key_results", {})
-    places = {f"{key}_{axis}" for key in results for axis in "xy" if f"{key}_x" in results}
+    places = {f"{key}_{axis}" for key in results for axis in "xyz" if f"{key}_x" in results}
 
     def place(key: str) -> str:
         """Where a key result is; empty if it has no place."""
-        at = [cell_text(results[name]) for name in (f"{key}_x", f"{key}_y") if name in places]
+        at = [cell_text(results[name]) for name in (f"{key}_{axis}" for axis in "xyz")
+              if name in places and name in results]
         return f" at ({', '.join(at)}) {case.unit('L')}".rstrip() if at else ""
 
     texts = {key: cell_text(value) + place(key) for key, value in results.items() if key not in places}

@@ -11,6 +11,8 @@ from amontons.cases import Case, dimension_of
 from amontons.draw_body import FIELD, Field, draw_scene, draw_zone, magnification, magnification_at, moved_field
 from amontons.draw_line import (LINE_PANELS, Stretch, abscissa_label, closed_part, closed_zone, draw_history,
                                 has_detail, points_of, stretches)
+from amontons.draw_solid import (QUANTITIES, Map, bar_label, colored, draw_map_axes, draw_slip_arrows,
+                                 draw_status_labels, draw_view, map_image, maps_of, part_of, quantity_limits)
 from amontons.draw_steps import draw_loop, draw_wear_or_dissipation, draw_zones
 from amontons.draw_sweep import draw_curves, draw_forces, draw_map, quantity, study_of
 from amontons.raster import cell_image, color_numbers, palette
@@ -24,17 +26,18 @@ DETAIL = {"left": 0.12, "right": 0.97, "bottom": 0.12, "top": 0.9}
 LINE = {"left": 0.17, "right": 0.98, "bottom": 0.12, "top": 0.94}
 ALONE = {"left": 0.17, "right": 0.97, "bottom": 0.15, "top": 0.91}
 HISTORY = {"left": 0.17, "right": 0.97, "bottom": 0.22, "top": 0.88}
+SIDE = {"left": 0.02, "right": 0.8}
+MAP = {"left": 0.15, "right": 0.78}
+COARSE = 0.75
+HIGHEST = 3.0  # inch, of a map
 HEIGHTS, ROOM = (1.4, 1.0, 1.0), 0.25
 
 
 def pictures_of(case: Case, name: str) -> tuple[list[str], str]:
     """The pictures of a case, and a small one for the table; the name is unique in the page."""
     label = html.escape(case.heading, quote=True)
-    if case.is_solid:
-        residuals = _residuals(case, name, label)
-        return [residuals], _thumbnail(residuals)
     if case.kind == "body":
-        small, *pictures = _body(case, name, label)
+        small, *pictures = (_solid if case.is_solid else _body)(case, name, label)
         return pictures, small
     if case.kind == "sweep":
         pictures = list(_sweep(case, name, label))
@@ -85,12 +88,62 @@ def _body(case: Case, name: str, label: str) -> Iterator[str]:
         image, _ = _image(axes, f"{name}di", moved_field(case, factor, FIELD))
         yield _picture(f"{name}d", f"{label}: closed zone", height, image, axes.lines(f"{name}dc"), axes.frame())
     if case.has_steps and sets:
-        for number, draw in enumerate((draw_loop, draw_zones, draw_wear_or_dissipation)):
-            axes, = _axes(2.8, (1.0,), **ALONE)
-            draw(axes, case)
-            yield _plot(axes, 2.8, f"{name}t{number}", f"{label}: load history")
+        yield from _steps(case, name, label)
     if not case.summary["converged"]:
         yield _residuals(case, name, label)
+
+
+def _steps(case: Case, name: str, label: str) -> Iterator[str]:
+    """The pictures of a load history."""
+    for number, draw in enumerate((draw_loop, draw_zones, draw_wear_or_dissipation)):
+        axes, = _axes(2.8, (1.0,), **ALONE)
+        draw(axes, case)
+        yield _plot(axes, 2.8, f"{name}t{number}", f"{label}: load history")
+
+
+def _solid(case: Case, name: str, label: str) -> Iterator[str]:
+    """The small picture of a solid, and the others: both its sides, and maps of its contact faces."""
+    part = part_of(case)
+    wide, high = np.ptp(part.window(part.views[0]), axis=0)
+    height = min(WIDTH * (SIDE["right"] - SIDE["left"]) * high / wide, HIGHEST) + 0.35
+    for number in (0, 1):
+        axes, = _axes(height, (1.0,), bottom=0.05 / height, top=1.0 - 0.3 / height, **SIDE)
+        view, window = draw_view(axes, part, number)
+        image, small = axes.image(f"{name}b{number}i", colored(part, view, window, _coarse(axes)))
+        if number == 0:
+            yield small
+        yield _picture(f"{name}b{number}", f"{label}: body", height, image, axes.lines(f"{name}b{number}c"),
+                       axes.title(), axes.bar(f"{name}b{number}b", part.limits, part.label, part.uniform))
+    for number, one in enumerate(maps_of(case)):
+        for panel in ("stress", "slip"):
+            yield _map(one, panel, f"{name}{panel[:2]}{number}", label)
+    if case.has_steps:
+        yield from _steps(case, name, label)
+    if not case.summary["converged"]:
+        yield _residuals(case, name, label)
+
+
+def _coarse(axes: SvgAxes) -> tuple[int, int]:
+    """The size of an image whose edges are smooth, and which needs not be as fine as others."""
+    width, height = (int(COARSE * count) for count in axes.size_of_image())
+    return width, height
+
+
+def _map(one: Map, panel: str, name: str, label: str) -> str:
+    """The picture of a map."""
+    wide, high = np.ptp(one.window, axis=0) if one.is_equal else (1.0, 0.6)
+    height = min(WIDTH * (MAP["right"] - MAP["left"]) * high / wide, HIGHEST) + 0.8
+    axes, = _axes(height, (1.0,), left=MAP["left"], right=MAP["right"], bottom=0.5 / height, top=1.0 - 0.3 / height)
+    draw_map_axes(axes, one, panel)
+    quantity_of = QUANTITIES[panel]
+    image, _ = axes.image(f"{name}i", map_image(one, quantity_of, _coarse(axes)))
+    if panel == "slip":
+        draw_slip_arrows(axes, one)
+        draw_status_labels(axes, one)
+        beside = legend(axes.artists, axes.right + 8, axes.top + 6, 1)
+    else:
+        beside = axes.bar(f"{name}b", quantity_limits(one, quantity_of), bar_label(one, quantity_of), None)
+    return _picture(name, f"{label}: {one.title}", height, image, axes.lines(f"{name}c"), axes.frame(), beside)
 
 
 def _residuals(case: Case, name: str, label: str) -> str:

@@ -128,6 +128,22 @@ class Arrows:
         return f'<path d="{path}" stroke="{color_of(self.color)}" stroke-width="0.9"/>' if path else ""
 
 
+@dataclass(frozen=True)
+class Text:
+    """Texts in the middle of places."""
+    x: Array
+    y: Array
+    text: str
+    label: Optional[str] = None
+    zorder: float = 3.0
+    is_across: bool = False
+
+    def drawn(self, x: Array, y: Array) -> str:
+        """The texts at places in the picture."""
+        return "".join(text_at(one, other + 2.5, self.text, size=SMALL).replace("<text", '<text fill="currentColor"', 1)
+                       for one, other in zip(x.tolist(), y.tolist()))
+
+
 def ticks_between(limits: tuple[float, float], most: float, are_whole: bool = False) \
         -> tuple[list[tuple[float, str]], str]:
     """Pairs of value and text of ticks, as many as there is room for, and the factor of the texts."""
@@ -180,7 +196,7 @@ class SvgAxes:
     def __init__(self, left: float, top: float, right: float, bottom: float) -> None:
         """The axes have this place, a part of it where their aspect is equal."""
         self.left, self.top, self.right, self.bottom = left, top, right, bottom
-        self.artists: list[Union[Line, Arrows]] = []
+        self.artists: list[Union[Line, Arrows, Text]] = []
         self.cells: Optional[Cells] = None
         self.words = {"title": "", "xlabel": "", "ylabel": ""}
         self.yticks: Optional[list[float]] = None
@@ -198,6 +214,10 @@ class SvgAxes:
     def quiver(self, x: Array, y: Array, u: Array, v: Array, *, color: str, scale: float, **_: Any) -> None:
         """Adds arrows from places; a direction of the length `scale` is an inch long."""
         self.artists.append(Arrows(x, y, 72 / scale * u, 72 / scale * v, color))
+
+    def text(self, x: float, y: float, text: str, **_: Any) -> None:
+        """Adds a text with its middle at a place."""
+        self.artists.append(Text(np.array([x]), np.array([y]), text))
 
     def pcolormesh(self, x: Array, y: Array, values: Array, *, cmap: Colormap, vmin: float, vmax: float,
                    **_: Any) -> None:
@@ -295,11 +315,15 @@ class SvgAxes:
             parts += [text_at(self.x(value), self.bottom + TICK + GAP + 6, text) for value, text in abscissas]
             parts += [text_at(middle, below, self.words["xlabel"]), text_at(self.right, below, x_factor, "end")]
         widest = max((WIDE * MEDIUM * len(plain(text)) for _, text in ordinates), default=0.0)
-        parts += [text_at(middle, self.top - 6, self.words["title"]),
+        parts += [self.title(),
                   text_at(self.left, self.top - 3, y_factor, "start"),
                   text_at(max(self.left - TICK - GAP - widest - 5, MEDIUM), (self.top + self.bottom) / 2,
                           self.words["ylabel"], turn=-90)]
         return "".join(part for part in parts if not part.endswith("></text>"))
+
+    def title(self) -> str:
+        """The title alone."""
+        return text_at((self.left + self.right) / 2, self.top - 6, self.words["title"])
 
     def lines(self, name: str) -> str:
         """The lines and markers of the axes, cut off at their frame, which gets the name, unique in the page, for an
@@ -327,7 +351,7 @@ class SvgAxes:
         return self.image(name, colors[np.ix_(row[::-1], column)],
                           cells.cmap(np.linspace(0.0, 1.0, n_colors), bytes=True)[:, :3])
 
-    def image(self, name: str, pixels: Array, colors: Array) -> tuple[str, str]:
+    def image(self, name: str, pixels: Array, colors: Optional[Array] = None) -> tuple[str, str]:
         """An image that fills the axes, with an identifier, and a small view of it; see png_text."""
         x, y, width, height = (short(number) for number in (self.left, self.top, self.right - self.left,
                                                             self.bottom - self.top))
@@ -357,7 +381,7 @@ class SvgAxes:
         parts.append(f'<path d="{path}" stroke="currentColor" stroke-width="0.5"/>')
         if factor:
             parts.append(text_at(x, self.top - 6, factor, "start"))
-        at = x + width + TICK + GAP + widest + 8
+        at = x + width + TICK + GAP + widest + 9
         parts.append(text_at(at, (self.top + self.bottom) / 2, label if uniform is None else label + ", uniform",
                              turn=-90))
         return "".join(parts)

@@ -22,10 +22,14 @@ sys.path.insert(0, str(ROOT / "python"))
 # pylint: disable=wrong-import-position
 from amontons.cases import Case  # noqa: E402
 from amontons.draw_body import initial_gaps, magnification, magnification_at, surfaces  # noqa: E402
+from amontons.draw_solid import (Chart, contact_sets, map_image, maps_of, obstacles, pale, part_of,  # noqa: E402
+                                 pieces)
 from amontons.draw_steps import draw_zones  # noqa: E402
+from amontons.faces import View, boundary_faces  # noqa: E402
+from amontons.grid import Grid, read_grid  # noqa: E402
 from amontons.numerals import scientific  # noqa: E402
-from amontons.obstacles import hatching, surface  # noqa: E402
-from amontons.raster import cell_image, color_numbers  # noqa: E402
+from amontons.obstacles import Surface, hatching, surface  # noqa: E402
+from amontons.raster import cell_image, color_numbers, nearest, png_text  # noqa: E402
 from amontons.report import cell_text  # noqa: E402
 from amontons.svg_axes import SvgAxes  # noqa: E402
 # pylint: enable=wrong-import-position
@@ -138,6 +142,35 @@ class Images(unittest.TestCase):
         square = np.array([[[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]]])
         image = cell_image([(square, np.array([5])), (square + 30.0, np.array([6]))], WINDOW, (12, 10))
         self.assertEqual((image.shape, np.unique(image).tolist()), ((10, 12), [5]))
+
+    def test_what_is_in_front_is_seen_with_the_weights_of_its_corners(self):
+        # Two planes that cut each other at x = 0.5, as two triangles each; depths of the third corner, too.
+        square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+        depths = (square[:, 0], 1.0 - square[:, 0])
+        triangles = np.array([[[*square[i], depth[i]] for i in corners] for depth in depths
+                              for corners in ([0, 1, 2], [0, 2, 3])])
+        number, weights, depth = nearest(triangles, np.array([[-1.0, 0.0], [1.0, 1.0]]), (40, 10))
+        x, y = np.meshgrid((np.arange(40) + 0.5)/20 - 1.0, 1.0 - (np.arange(10) + 0.5)/10)
+        self.assertTrue((number[x < 0.0] == -1).all())
+        inside = x > 0.0
+        np.testing.assert_array_equal(number[inside] < 2, x[inside] > 0.5)
+        np.testing.assert_allclose(depth[inside], np.maximum(x, 1.0 - x)[inside], atol=1e-14)  # rounding
+        at = (triangles[number] * weights[..., None]).sum(axis=-2)
+        np.testing.assert_allclose(at[inside], np.stack([x, y, depth], axis=-1)[inside], atol=1e-14)
+
+    def test_an_image_of_colors_is_a_png_of_colors(self):
+        image = np.random.default_rng(1).random((4, 3, 4))
+        image[0, 0], image[1, 1] = 1.0, 0.0
+        data = base64.b64decode(png_text(image).removeprefix("data:image/png;base64,"))
+        self.assertEqual(struct.unpack(">IIBB", data[16:26]), (3, 4, 8, 6))
+        start = data.index(b"IDAT")
+        size, = struct.unpack(">I", data[start - 4:start])
+        lines = np.frombuffer(zlib.decompress(data[start + 4:start + 4 + size]), np.uint8).reshape(4, 13)
+        self.assertTrue((lines[:, 0] == 1).all())  # each byte less that of the pixel on the left
+        read = np.cumsum(lines[:, 1:].reshape(4, 3, 4), axis=1, dtype=np.uint8)
+        # Half a step of a 64th, and of 255.
+        np.testing.assert_allclose(read/255, image, atol=0.5/63 + 0.5/255)
+        self.assertEqual((read[0, 0].tolist(), read[1, 1].tolist()), ([255]*4, [0]*4))
 
     def test_a_pixel_of_a_map_has_the_color_of_its_cell(self):
         axes, x, y = SvgAxes(10.0, 20.0, 106.0, 68.0), np.array([0.0, 1.0, 4.0]), np.array([0.0, 2.0, 3.0])
@@ -329,6 +362,199 @@ class Figures(ProgramTest):
         run = self.plot("block", "--field", "peak", status=1)
         self.assertIn("no column 'peak'; the columns are: case, ", run.stderr)
         self.assertIn("scale is not for a sweep", self.plot("block", "--scale", "2", status=1).stderr)
+
+
+def box_deck(*groups, element="hex8", cells="3, 2, 2"):
+    """A block of 3 x 2 x 1."""
+    return block(*groups, mesh=f"kind = 'box'  size = 3.0, 2.0, 1.0  cells = {cells}  element = '{element}'",
+                 material="young = 1000.0  poisson = 0.3")
+
+
+class Solids(ProgramTest):
+    """Figures of solids."""
+
+    def solve(self, *groups, name="solid", **options):
+        """Solves a block in space."""
+        self.write(f"{name}.nml", box_deck(*groups, **options))
+        self.run_program("--quiet", f"{name}.nml")
+        return Case(self.directory / name)
+
+    PRESSED = "support set = 'top'  ux = 0.004  uy = 0.0  uz = -0.01"
+
+    def test_faces_of_the_boundary_enclose_the_body(self):
+        for element, count in (("hex8", 32), ("hex20", 32), ("tet4", 64), ("tet10", 64)):
+            mesh = self.solve(self.PRESSED, CONTACT, element=element).mesh
+            faces = boundary_faces(mesh)
+            self.assertEqual(len(faces.cells), count, element)
+            corners = faces.at_corners(mesh.points)
+            areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])/2
+            # Gauss: the flux of x/3 outwards, and the surface; to rounding.
+            self.assertAlmostEqual((corners.mean(axis=1)*areas).sum()/3, 6.0, delta=1e-12)
+            self.assertAlmostEqual(np.linalg.norm(areas, axis=1).sum(), 22.0, delta=1e-12)
+            # Each face is one of its cell's.
+            nodes = np.concatenate([nodes for _, nodes in mesh.cells])
+            for outline, cell in zip(np.concatenate(faces.outlines), faces.cells):
+                self.assertLessEqual(set(outline), set(nodes[cell]))
+
+    def test_a_view_shows_z_upwards(self):
+        view = View.along(np.array([0.5, -1.0, 0.6]))
+        frame = np.stack([view.across, view.up, view.towards])
+        np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-15)
+        self.assertAlmostEqual(np.linalg.det(frame), 1.0)
+        self.assertEqual(view.of(np.array([0.0, 0.0, 1.0]))[0], 0.0)
+        self.assertGreater(view.of(np.array([0.0, 0.0, 1.0]))[1], 0.0)
+
+    def test_obstacles_in_space(self):
+        near = np.array([[2.0, 3.0, 0.1], [4.0, 3.0, 0.2], [3.0, 5.0, 0.1]])
+        placed = {"point": [1.0, 2.0, 0.0], "normal": [1.0, 2.0, 9.0]}
+        for kind in {*words_of("contact", "obstacle")} - {"circle", "parabola", "polyline"}:
+            for radius in (7.0, -7.0, 1e5):
+                contact = {**placed, "obstacle": kind, "radius": radius, "axis": [2.0, -1.0, 0.0]}
+                found = Surface.near(contact, near)
+                points, quads = found.mesh(near)
+                np.testing.assert_allclose(found.heights(points), 0.0, atol=1e-10)  # of a radius of 1e5, to rounding
+                self.assertEqual(len(np.unique(quads)), len(points))
+                normal = np.array(placed["normal"])/np.linalg.norm(placed["normal"])
+                self.assertAlmostEqual(found.heights(np.array([placed["point"]]))[0], 0.0, delta=1e-10)
+                # Outside is where the normal points.
+                outside = Surface.near(contact, np.array([placed["point"]])).heights(placed["point"] + 0.1*normal[None])
+                self.assertAlmostEqual(outside[0], 0.1, delta=1e-10)
+        with self.assertRaisesRegex(ValueError, "obstacle 'cusp' cannot be drawn"):
+            Surface.near({"obstacle": "cusp"}, near)
+
+    def test_an_obstacle_is_where_the_deck_says_or_opposite_the_points(self):
+        case = self.solve("support set = 'top'  ux = 0.0  uy = 0.0  uz = -0.01",
+                          CONTACT + "  obstacle = 'cylinder'  radius = 9.0  axis = 0.0, 1.0, 0.0  "
+                          "point = 1.5, 0.0, 0.0  normal = 0.0, 0.0, 1.0")
+        (points, _), = obstacles(case, 1.0)
+        np.testing.assert_allclose(np.hypot(points[:, 0] - 1.5, points[:, 2] + 9.0), 9.0, rtol=1e-12)
+        (points, faces), = obstacles(case, 20.0)
+        shown = np.unique(np.concatenate(faces.outlines))
+        gaps = np.hypot(points[shown, 0] - 1.5, 9.0) - 9.0
+        self.assertGreater(gaps.max(), 0.1)
+        # The gap along z of a point at x, twenty times.
+        s = points[shown, 0] - 1.5
+        np.testing.assert_allclose(points[shown, 2], -20*(9.0 - np.sqrt(81.0 - s**2)), atol=1e-9)
+
+    def test_charts(self):
+        rng = np.random.default_rng(3)
+        points = rng.random((30, 3))
+        weights = np.ones(30)
+        for direction, labels in (([0, 0, -1], ("x", "y")), ([0, 1, 0], ("x", "z")), ([-1, 0, 0], ("y", "z")),
+                                  ([0.6, 0, 0.8], ("y", "along (0.8, 0, −0.6)"))):
+            chart = Chart.of(points, np.tile(np.array(direction, float), (30, 1)), weights)
+            case = self.Unitless()
+            self.assertEqual(chart.labels(case), labels)
+            # Distances in the plane are those on paper, and vectors are drawn as the ways between points.
+            flat = points - np.outer(points @ direction, direction)
+            places = chart.places(np.repeat(points[:, None], 3, axis=1))[:, 0, :2]
+            np.testing.assert_allclose(np.linalg.norm(places - places[0], axis=1),
+                                       np.linalg.norm(flat - flat[0], axis=1), atol=1e-14)
+            np.testing.assert_allclose(chart.directions(points, flat - flat[0]), places - places[0], atol=1e-14)
+
+    class Unitless:
+        """Stands for a case whose deck names no units."""
+
+        @staticmethod
+        def label(text, _):
+            """A text as it is."""
+            return text
+
+    def test_what_is_around_an_axis_is_unrolled(self):
+        angle, h = (part.ravel() for part in np.meshgrid(np.radians(np.arange(-180, 180, 15)), [0.0, 1.0, 2.0]))
+        normals = np.stack([np.zeros_like(h), np.cos(angle), np.sin(angle)], axis=1)
+        points = 4.0*normals + np.stack([h, 0.0*h + 7.0, 0.0*h - 2.0], axis=1)
+        chart = Chart.of(points, -normals, np.ones(len(h)))
+        self.assertEqual(chart.labels(self.Unitless()), ("angle around x [°]", "x"))
+        places = chart.places(np.repeat(points[:, None], 3, axis=1))[:, 0, :2]
+        np.testing.assert_allclose(np.exp(1j*np.radians(places[:, 0])), np.exp(1j*angle), atol=1e-12)
+        np.testing.assert_allclose(places[:, 1], h, atol=1e-12)
+        around = np.cross([1.0, 0.0, 0.0], normals)
+        np.testing.assert_allclose(chart.directions(points, around + [2.0, 0.0, 0.0]), np.tile([1.0, 2.0], (len(h), 1)),
+                                   atol=1e-12)
+        # Across the end of the angle a triangle stays whole.
+        corners = points[np.argsort(angle, kind="stable")[[-1, 0, 1]]][None]
+        self.assertLess(np.ptp(chart.places(corners)[..., 0]), 31.0)
+
+    def test_a_map_has_the_color_of_the_status_that_is_nearest(self):
+        for element in ("hex8", "hex20", "tet4", "tet10"):
+            case = self.solve(self.PRESSED, CONTACT, element=element)
+            one, = maps_of(case)
+            image = map_image(one, "status", (60, 44))
+            low, high = one.window
+            x, y = np.meshgrid(low[0] + (np.arange(60) + 0.5)/60*(high - low)[0],
+                               high[1] - (np.arange(44) + 0.5)/44*(high - low)[1])
+            data, found = case.contact_grid.point_data, 0
+            for point in one.shown.points:
+                at = case.contact_grid.points[point]
+                # Half of the way to the nearest other node, less a pixel.
+                here = np.hypot(x - at[0], y - at[1]) < 0.1
+                here &= (x > 0.06) & (x < 2.94) & (y > 0.06) & (y < 1.94)
+                color = pale(int(data["status"][point]))
+                found += here.sum()
+                np.testing.assert_allclose(image[here], np.tile([*color, 1.0], (here.sum(), 1)), atol=0.3*0.4)
+            self.assertGreater(found, 20)
+            self.assertEqual(image[0, 0, 3], 0.0)  # beside the faces
+
+    def test_pieces_of_a_set_have_maps_of_their_own(self):
+        case = self.solve(self.PRESSED, CONTACT, cells="12, 8, 2")
+        whole, = contact_sets(case)
+        self.assertEqual(pieces(whole), [whole])
+        outline, = whole.faces.outlines
+        at = case.contact_grid.points[outline].mean(axis=1)
+        ends = outline[((at[:, 0] < 0.3) | (at[:, 0] > 2.7)) & (at[:, 1] < 0.3)]
+        grid = Grid(case.contact_grid.points, [("quad", ends)], case.contact_grid.point_data, {})
+        case.__dict__["contact_grid"] = grid
+        parts = pieces(contact_sets(case)[0])
+        self.assertEqual([len(part.faces.cells) for part in parts], [1, 1])
+        pressure = [grid.point_data["contact_pressure"][part.points].sum() for part in parts]
+        self.assertGreaterEqual(pressure[0], pressure[1])
+        self.assertEqual([one.title for one in maps_of(case)],
+                         ["bottom on a plane, part 1", "bottom on a plane, part 2"])
+
+    def test_nodes_of_a_set_that_are_no_contact_points_belong_to_its_faces(self):
+        case = self.solve("support set = 'left'  ux = 0.0  uy = 0.0  uz = 0.0", "load set = 'top'  pressure = 1.0",
+                          CONTACT + "  friction_slope = 0.0, 0.0, 0.0")
+        self.assertGreater(len(case.contact_grid.points), len(case.line.points))
+        whole, = contact_sets(case)
+        self.assertEqual(len(whole.faces.cells), 6)
+
+    def test_colors_end_where_nearly_all_is(self):
+        case = self.solve(self.PRESSED, CONTACT, cells="12, 8, 4")
+        part = part_of(case)
+        self.assertIsNone(part.largest)
+        case.mesh.point_data["nodal_von_mises"] = case.mesh.points[:, 0].copy()
+        case.mesh.point_data["nodal_von_mises"][0] = 300.0
+        part = part_of(case)
+        self.assertEqual((part.limits, part.largest), ((0.0, 75.0), 300.0))
+        case.mesh.point_data["nodal_von_mises"] = np.full(len(case.mesh.points), 4.0)
+        self.assertEqual(part_of(case).uniform, 4.0)
+
+    def test_texts_units_and_options(self):
+        self.solve(self.PRESSED, CONTACT, "case title = 'A block'  units = 'mm, N, MPa'")
+        self.run_package("plot", "solid", "--format", "svg,png")
+        words = text_of(self.directory / "solid.svg")
+        self.assertLessEqual({"A block", "x [mm]", "y [mm]", "z [mm]", "from the other side", "stick", "slip",
+                              "bottom on a plane", "contact pressure [MPa]", "nodal von Mises stress [MPa]"}, {*words})
+        self.assertTrue(any(re.fullmatch(r"largest slip [\d.e-]+ mm", word) for word in words))
+        # The magnitude of a vector is that of all its components.
+        grid = read_grid(self.directory / "solid.vtu")
+        self.run_package("plot", "solid", "--panels", "body,gap", "--field", "displacement", "--scale", "3", "--format",
+                         "svg")
+        words = text_of(self.directory / "solid.svg")
+        self.assertLessEqual({"displacement [mm]", "displacements and gaps × 3", "gap [mm]"}, {*words})
+        self.assertFalse({"stick", "residual"} & {*words})
+        self.assertEqual(part_of(Case(self.directory / "solid"), "displacement").limits[1],
+                         np.linalg.norm(grid.point_data["displacement"], axis=1).max())
+        for arguments, sentence in ((("--abscissa", "x"), "abscissa is not for a solid"),
+                                    (("--panels", "detail"), "nothing to show in the panels detail"),
+                                    (("--field", "mises"), "no field 'mises'; the fields are: contact_pressure, ")):
+            self.assertIn(sentence, self.run_package("plot", "solid", *arguments, status=1).stderr)
+
+    def test_a_solid_without_contact_is_drawn(self):
+        self.solve("support set = 'left'  ux = 0.0  uy = 0.0  uz = 0.0", "load set = 'top'  pressure = 1.0")
+        self.run_package("plot", "solid", "--format", "svg")
+        self.assertIn("displacements × ", (self.directory / "solid.svg").read_text(encoding="utf-8"))
 
 
 if __name__ == "__main__":

@@ -232,18 +232,25 @@ class Pictures(ProgramTest):
         warning = '<p class="verdict amber"><b>warning</b><span>contact set &#x27;bottom&#x27;: friction of 2.5'
         self.assertEqual(page.count(warning), 1)
 
-    def test_a_solid_has_no_picture_but_that_of_its_residuals(self):
-        self.write("cube.nml", block("support set = 'top'  ux = 0.0  uy = 0.0  uz = -0.01", CONTACT,
+    def test_a_solid_is_drawn_from_both_sides_with_maps_of_its_contact_sets(self):
+        walls = "contact name = 'wall'  set = 'right'  normal = -1.0, 0.0, 0.0  point = 1.002, 0.0, 0.0"
+        self.write("cube.nml", block("support set = 'top'  ux = 0.001  uy = 0.002  uz = -0.01", CONTACT, walls,
                                      mesh="kind = 'box'  size = 1.0, 1.0, 1.0  cells = 2, 2, 2",
                                      material="young = 1.0  poisson = 0.3"))
         self.run_program("--quiet", "--output", "space", "cube.nml")
         run = self.script("plot", "space")
-        self.assertEqual((run.stdout, run.stderr),
-                         ("", "plot: space/cube: there are no pictures of solids yet; ParaView opens space/cube.vtu\n"))
+        self.assertEqual((run.stdout, run.stderr), ("space/cube.png\nspace/cube.svg\n", ""))
         self.script("report", "space")
         page = (self.directory / "space" / "report.html").read_text(encoding="utf-8")
         self.assertIn("1 case: 1 green, 0 amber, 0 red.", page)
-        self.assertIn("cube: residuals", page)
+        pictures = re.findall(r'<svg id="[^"]*" viewBox="0 0 331.2 [^"]*" role="img" aria-label="([^"]*)"', page)
+        self.assertEqual(pictures, ["cube: body"]*2 + ["cube: bottom on a plane"]*2 + ["cube: wall on a plane"]*2)
+        # As bodies of the plane have: identifiers once, and places with all their coordinates.
+        names = re.findall(r' id="([^"]*)"', page)
+        self.assertEqual(len(names), len(set(names)))
+        self.assertLessEqual(set(re.findall(r'(?:href="|url\()#(\w+)', page)), set(names))
+        self.assertRegex(page, r"<dt>max displacement</dt><dd>[\d.e-]+ at \([\d.]+, [\d.]+, 1\)</dd>")
+        self.assertNotIn("<dt>max displacement z</dt>", page)
 
     def test_a_sweep_of_a_solid_has_the_areas_of_its_zones(self):
         self.write("rows.nml", block("support set = 'top'  ux = 0.01  uy = 0.0  uz = -0.01", CONTACT,
