@@ -324,7 +324,7 @@ def pieces(whole: ContactSet) -> list[ContactSet]:
 class Chart:
     """How contact faces are laid out on paper: as they are seen along their mean normal, or unrolled from around an
     axis."""
-    # Two directions in the picture and the one to the eye; or where an angle is 0, where it is 90°, and the axis (3, 3)
+    # Two directions in the picture and that to the eye; or where an angle is 0, where it is 90°, and the axis (3, 3)
     frame: Array
     center: Optional[Array]  # a point of the axis; None where nothing is unrolled
 

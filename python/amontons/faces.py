@@ -6,18 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from amontons.grid import Array, Grid
+from amontons.grid import EDGES, FACES, Array, Grid
 from amontons.raster import nearest
 
-# The faces of cells, counterclockwise from outside, by their corners; the edges in the order of their middle nodes.
-FACES = {"tetra": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
-         "hexahedron": [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]}
-EDGES = {"tetra10": [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)],
-         "hexahedron20": [(0, 1), (1, 2), (2, 3), (0, 3), (4, 5), (5, 6), (6, 7), (4, 7), (0, 4), (1, 5), (2, 6),
-                          (3, 7)]}
 # Shape functions of corners and of middle nodes in the middle of a face, by its number of nodes.
 MIDDLE = {3: (1 / 3, 0.0), 4: (1 / 4, 0.0), 6: (-1 / 9, 4 / 9), 8: (-1 / 4, 1 / 2)}
-SHADE = 0.3  # how much darker a face is that is seen from its edge
 RIDGE = np.cos(np.radians(30.0))  # of the angle between faces from which on their common edge is drawn
 STEEP = 3.0  # pixels: a larger step of depth between two of them is an outline
 

@@ -13,6 +13,12 @@ from numpy.typing import NDArray
 Array = NDArray[Any]  # of numbers
 KINDS = {1: "vertex", 3: "line", 5: "triangle", 9: "quad", 22: "triangle6", 23: "quad8", 28: "quad9",
          10: "tetra", 12: "hexahedron", 24: "tetra10", 25: "hexahedron20"}
+# The faces of solid cells by their corners, counterclockwise from outside; the edges in the order of middle nodes.
+FACES = {"tetra": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
+         "hexahedron": [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]}
+EDGES = {"tetra10": [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)],
+         "hexahedron20": [(0, 1), (1, 2), (2, 3), (0, 3), (4, 5), (5, 6), (6, 7), (4, 7), (0, 4), (1, 5), (2, 6),
+                          (3, 7)]}
 TYPES = {"Float64": "<f8", "Int32": "<i4"}
 LENGTH = 8  # bytes: an array stands behind its length
 

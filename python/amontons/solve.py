@@ -117,8 +117,8 @@ class DeckResult(Case):
 
     @property
     def nodes(self) -> Array:
-        """Coordinates of the nodes (n_nodes, 2)."""
-        return self.mesh.points[:, :2]
+        """Coordinates of the nodes (n_nodes, 2), of a solid (n_nodes, 3)."""
+        return self.mesh.points[:, :3 if self.mesh.is_solid else 2]
 
     @property
     def cells(self) -> list[tuple[str, Array]]:
@@ -127,9 +127,9 @@ class DeckResult(Case):
 
     @property
     def displacement(self) -> Array:
-        """Displacements of the nodes (n_nodes, 2); of a twisted body also around the axis (n_nodes, 3)."""
+        """Displacements of the nodes (n_nodes, 2), of a solid (n_nodes, 3); of a twisted body also around the axis."""
         twists = any(material.get("twist") == ".true." for material in self.groups("material"))
-        return self.mesh.point_data["displacement"][:, :3 if twists else 2]
+        return self.mesh.point_data["displacement"][:, :3 if twists or self.mesh.is_solid else 2]
 
     @property
     def stress(self) -> Array:

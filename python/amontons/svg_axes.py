@@ -6,7 +6,7 @@ import html
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, ClassVar, Optional, Union
 
 import numpy as np
 from matplotlib.colors import Colormap
@@ -106,16 +106,21 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Arrows:
-    """Arrows from places in directions of the picture."""
+class Marks:
+    """What is drawn at places, besides lines; see `Line`."""
     x: Array
     y: Array
+    label: ClassVar[Optional[str]] = None
+    zorder: ClassVar[float] = 2.0
+    is_across: ClassVar[bool] = False
+
+
+@dataclass(frozen=True)
+class Arrows(Marks):
+    """Arrows from places in directions of the picture."""
     across: Array  # in points
     up: Array
     color: str
-    label: Optional[str] = None
-    zorder: float = 2.0
-    is_across: bool = False
 
     def drawn(self, x: Array, y: Array) -> str:
         """The arrows at places in the picture."""
@@ -129,17 +134,12 @@ class Arrows:
 
 
 @dataclass(frozen=True)
-class Text:
-    """Texts in the middle of places."""
-    x: Array
-    y: Array
+class Text(Marks):
+    """A text whose middle is at places."""
     text: str
-    label: Optional[str] = None
-    zorder: float = 3.0
-    is_across: bool = False
 
     def drawn(self, x: Array, y: Array) -> str:
-        """The texts at places in the picture."""
+        """The text at places in the picture."""
         return "".join(text_at(one, other + 2.5, self.text, size=SMALL).replace("<text", '<text fill="currentColor"', 1)
                        for one, other in zip(x.tolist(), y.tolist()))
 

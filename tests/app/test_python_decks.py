@@ -18,6 +18,7 @@ except ImportError:
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 import amontons  # noqa: E402  pylint: disable=wrong-import-position
+from amontons.grid import EDGES, FACES  # noqa: E402  pylint: disable=wrong-import-position
 
 BLOCK = {"mesh": {"size": (4.0, 2.0), "cells": [4, 2], "element": "tri6"},
          "material": {"young": 100, "poisson": np.float64(0.2)},
@@ -312,6 +313,84 @@ class Meshes(ProgramTest):
                                                expected.contact["contact_pressure"], rtol=1e-9)
                 self.assertEqual(list(mesh.regions), ["part"])
 
+    SOLID = {"material": {"young": 100.0, "poisson": 0.2}, "support": {"set": "left", "ux": 0.0},
+             "load": [{"set": "top", "traction": (0.05, 0.1, -1.0)}, {"set": "right", "pressure": 0.1}],
+             "contact": {"set": "bottom", "friction": 0.3}}
+
+    def box(self, element):
+        """A result on the block of 3 x 2 x 1 of the program, and its mesh with nodes in another order."""
+        expected = amontons.solve_deck({**self.SOLID, "mesh": {
+            "kind": "box", "size": (3.0, 2.0, 1.0), "cells": (3, 2, 2), "element": element}})
+        (kind, cells), = expected.cells
+        order = np.random.default_rng(1).permutation(len(expected.nodes))
+        nodes, place = expected.nodes[order], np.argsort(order)
+        return expected, nodes, kind, place[cells]
+
+    @staticmethod
+    def faces(kind, nodes, cells, axis, value):
+        """The faces of cells in a plane, with their middle nodes."""
+        shape = kind.rstrip("0123456789")
+        found = []
+        for corners in FACES[shape]:
+            around = list(zip(corners, corners[1:] + corners[:1]))
+            n_corners = 4 if shape == "tetra" else 8
+            middles = [n_corners + EDGES[kind].index((min(edge), max(edge))) for edge in around] \
+                if kind in EDGES else []
+            found.append(cells[:, corners + middles])
+        found = np.concatenate(found)
+        return found[(np.abs(nodes[found][:, :, axis] - value) < 1e-12).all(axis=1)]
+
+    def test_meshes_of_solids(self):
+        for element in ("hex8", "hex20", "tet4", "tet10"):
+            expected, nodes, kind, cells = self.box(element)
+            planes = (("left", 0, 0.0), ("right", 0, 3.0), ("top", 2, 1.0), ("bottom", 2, 0.0))
+            sides = {name: self.faces(kind, nodes, cells, axis, value) for name, axis, value in planes}
+            between = {name: np.flatnonzero(np.abs(nodes[:, axis] - value) < 1e-12) for name, axis, value in planes}
+            flat = "quad" if sides["top"].shape[1] in (4, 8) else "triangle"
+            flat += {6: "6", 8: "8"}.get(sides["top"].shape[1], "")
+            blocks = [*((flat, faces) for faces in sides.values()), (kind, cells)]
+            gmsh = types.SimpleNamespace(
+                points=nodes, cells=blocks, cell_data={"gmsh:physical": [
+                    np.full(len(members), number) for number, (_, members) in enumerate(blocks, 1)]},
+                field_data={name: np.array([number, 2]) for number, name in enumerate(sides, 1)})
+            points = types.SimpleNamespace(points=nodes, cells=[(kind, cells)], point_sets=between)
+            # Sides in several arrays, and named by their corners alone.
+            n_corners = 4 if flat.startswith("quad") else 3
+            halves = {name: [faces[:2], faces[2:, :n_corners]] for name, faces in sides.items()}
+            for mesh in (amontons.Mesh(nodes, [(kind, cells)], sides), amontons.Mesh(nodes, [(kind, cells)], halves),
+                         *map(amontons.Mesh.from_meshio, (gmsh, points))):
+                result = amontons.solve_deck(self.SOLID, mesh=mesh)
+                np.testing.assert_array_equal(result.nodes, nodes)
+                # another numbering, another order of sums
+                np.testing.assert_allclose(result.key_results["max_contact_pressure"],
+                                           expected.key_results["max_contact_pressure"], rtol=1e-9)
+                np.testing.assert_allclose(
+                    result.displacement[np.lexsort(result.nodes.T)],
+                    expected.displacement[np.lexsort(expected.nodes.T)], atol=1e-9*np.abs(expected.displacement).max())
+        self.assertEqual(result.displacement.shape, (len(nodes), 3))
+        self.assertEqual(result.stress.shape, (len(cells), 6))
+        # The sum of all forces of the obstacle: weights of top and right against it, along y alone.
+        for axis, force in (("y", -0.1*6.0), ("z", 6.0)):
+            self.assertAlmostEqual(result.contact[f"force_{axis}"].sum(), force, delta=1e-9)
+        self.assertEqual(set(result.summary["areas"]), {"open_area", "slip_area", "stick_area"})
+        self.assertAlmostEqual(result.contact["area"].sum(), 6.0, delta=1e-12)
+        self.assertEqual(result.line.point_data["slip_vector"].shape[1], 3)
+        self.assertIn(result.contact["status"][0], ("open", "stick", "slip"))
+
+    def test_sides_of_two_kinds_of_cells(self):
+        # A hexahedron, and beside it two tetrahedra whose part of the bottom is of triangles.
+        nodes = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1, 2)], dtype=float)
+        first = np.array([[0, 1, 4, 3, 6, 7, 10, 9]])
+        hexahedra = types.SimpleNamespace(points=nodes, cells=[("hexahedron", first)],
+                                          point_sets={"bottom": np.arange(6)})
+        mesh = amontons.Mesh.from_meshio(hexahedra)
+        self.assertEqual([sorted(part.ravel()) for part in mesh.sides["bottom"]], [[0, 1, 3, 4]])
+        tetrahedra = types.SimpleNamespace(points=nodes, cells=[("hexahedron", first), ("tetra", np.array(
+            [[1, 2, 5, 8], [1, 5, 4, 8]]))], point_sets={"bottom": np.arange(6)})
+        mesh = amontons.Mesh.from_meshio(tetrahedra)
+        self.assertEqual([part.shape for part in mesh.sides["bottom"]], [(1, 4), (2, 3)])
+        self.assertIn(f"$Elements\n{6 + 3 + 3}\n", mesh.text())  # nodes of the set, its sides, and cells
+
     def test_stepper_of_a_mesh_of_arrays(self):
         expected, mesh = self.rectangle()
         deck = self.CONTACT.replace("&load", "&load name = 'top' ") \
@@ -324,7 +403,7 @@ class Meshes(ProgramTest):
     def test_faults_of_meshes_of_meshio(self):
         nodes, cells = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), np.array([[0, 1, 2]])
         for arguments, sentence in (((nodes + [0, 0, 1]*cells.T, [("triangle", cells)]), "3-D mesh: expected points"),
-                                    ((nodes, [("tetra", cells)]), "cells 'tetra': expected one of 'vertex', 'line', ")):
+                                    ((nodes, [("wedge", cells)]), "cells 'wedge': expected one of 'vertex', 'line', ")):
             mesh = types.SimpleNamespace(points=arguments[0], cells=arguments[1])
             with self.subTest(sentence), self.assertRaisesRegex(ValueError, sentence):
                 amontons.Mesh.from_meshio(mesh)
@@ -337,6 +416,10 @@ class Meshes(ProgramTest):
                 ((nodes, [("tri", [[0, 1, 2]])]), "cells 'tri' of 3 nodes: expected one of 'triangle' of 3, "),
                 ((nodes, [("triangle", [[0.0, 1.0, 2.0]])]), "'triangle': expected whole numbers, found float64"),
                 ((nodes, cells, {"left": [[0, 1, 2, 0]]}), "sides 'left': expected 2 or 3 nodes a side, found 4"),
+                ((np.eye(4, 3), [("tetra", [[0, 1, 2, 3]])], {"left": [[0, 1]]}),
+                 "sides 'left': expected 3, 4, 6 or 8 nodes a side, found 2"),
+                ((nodes, [("tetra", [[0, 1, 2, 0]])]), r"expected nodes of n x 3 numbers, found \(3, 2\)"),
+                ((np.eye(4, 3), [("tetra", [[0, 1, 2, 3]]), *cells]), "cells 'triangle': expected solids alone"),
                 ((nodes, cells, {'a"b': [[0, 1]]}), "a name with a quote or a line end"),
                 ((nodes, cells, {}, {}, {"core": [1]}), "region 'core': expected numbers from 0 to 0, found 1 to 1")):
             with self.subTest(sentence), self.assertRaisesRegex(ValueError, sentence):
