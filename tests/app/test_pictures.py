@@ -252,6 +252,22 @@ class Pictures(ProgramTest):
         self.assertRegex(page, r"<dt>max displacement</dt><dd>[\d.e-]+ at \([\d.]+, [\d.]+, 1\)</dd>")
         self.assertNotIn("<dt>max displacement z</dt>", page)
 
+    def test_a_history_of_a_solid_has_the_areas_of_its_zones_over_the_time(self):
+        self.write("steps.nml", block("support name = 'top'  set = 'top'  ux = 0.01  uy = 0.0  uz = -0.01", CONTACT,
+                                      "history times = 0.0, 1.0, 2.0  substeps = 2",
+                                      "steps support = 'top'  factor = 0.0, 1.0, 0.5",
+                                      mesh="kind = 'box'  size = 1.0, 1.0, 1.0  cells = 2, 2, 2",
+                                      material="young = 1.0  poisson = 0.3"))
+        self.run_program("--quiet", "--output", "steps", "steps.nml")
+        self.assertEqual(self.script("plot", "steps", "--format", "svg").stdout,
+                         "steps/steps.svg\nsteps/steps.steps.svg\n")
+        picture = (self.directory / "steps" / "steps.steps.svg").read_text(encoding="utf-8")
+        for words in ("open area", "slip area", "stick area", ">area<", ">dissipation<"):
+            self.assertIn(words, picture)
+        self.script("report", "steps")
+        page = (self.directory / "steps" / "report.html").read_text(encoding="utf-8")
+        self.assertEqual(page.count("steps: load history"), 3)
+
     def test_a_sweep_of_a_solid_has_the_areas_of_its_zones(self):
         self.write("rows.nml", block("support set = 'top'  ux = 0.01  uy = 0.0  uz = -0.01", CONTACT,
                                      "sweep friction = 0.1, 0.2, 0.4", mesh="kind = 'box'  size = 1.0, 1.0, 1.0  "
