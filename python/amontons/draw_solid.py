@@ -18,7 +18,7 @@ from amontons.draw_body import (FIELD, OBSTACLE, OUTLINE, UNDEFORMED, UNIFORM, V
 from amontons.draw_line import ROUNDING, STATUSES, Canvas
 from amontons.faces import Faces, Seen, View, boundary_faces, facing, look, smoothed
 from amontons.grid import Array, Grid
-from amontons.obstacles import Surface
+from amontons.obstacles import Surface, triangles_near
 from amontons.raster import N_COLORS, palette
 
 NODAL_FIELD = "nodal_von_mises"  # cells at the boundary of a solid look uneven
@@ -27,6 +27,7 @@ LIGHT = np.array([-0.35, 0.55, 0.76])  # the direction to the light in a picture
 DIM = 0.35      # how much darker what turns away from the light is
 LINES, RIDGES, OUTSIDE = 0.25, 0.55, 0.7  # opacity of the lines between faces, of edges, and of lines beside the body
 FINE = 4000     # faces: the lines between more would hide the colors
+COARSE = 1200   # triangles of an obstacle, likewise
 VEIL = 0.18     # opacity of an obstacle
 NEARLY = 0.99   # of the boundary has a value below the end of the bar,
 PEAK = 4.0      # which is no smaller than the largest one over this
@@ -130,24 +131,39 @@ def obstacles(case: Case, factor: float) -> list[tuple[Array, Faces]]:
     opposite = grid.points + gaps[:, None] * grid.point_data["normal"]
     places = grid.points + factor * gaps[:, None] * grid.point_data["normal"]
     for one in contact_sets(case):
+        if "against" in one.contact:
+            continue
         # Between corners gaps are those of transformed unknowns.
         corners = [outline[:, ::2] if outline.shape[1] > 4 else outline for outline in one.faces.outlines]
         points = np.unique(np.concatenate([outline.ravel() for outline in corners]))
         points = points[np.isfinite(gaps[points])]
         if len(points) and (factor == 1.0 or not (np.abs(gaps[points]) > UNIFORM * size).any()):
-            try:
-                described = Surface.near(one.contact, grid.points[one.points])
-            except (LookupError, ValueError):
-                described = None
-            if described is not None and np.abs(described.heights(opposite[points])).max() < VISIBLE * size:
-                at, quads = described.mesh(grid.points[one.points])
-                found.append((at, Faces([quads], np.arange(len(quads)))))
+            described = described_surface(one, opposite[points], case.is_history)
+            if described is not None:
+                found.append(described)
                 continue
         outlines = [outline[np.isfinite(gaps[outline]).all(axis=1)] for outline in corners]
         outlines = [outline for outline in outlines if len(outline)]
         if outlines:
             found.append((places, Faces(outlines, np.arange(sum(map(len, outlines))))))
     return found
+
+
+def described_surface(one: ContactSet, opposite: Array, may_have_moved: bool) -> Optional[tuple[Array, Faces]]:
+    """The surface of an obstacle as the deck describes it, places and faces; None where it is not there, which the
+    places opposite the contact points tell, or is of another kind."""
+    points = one.case.contact_grid.points[one.points]
+    try:
+        if one.contact["obstacle"] == "surface":
+            at, corners = triangles_near(one.contact, points)
+            return None if may_have_moved or not len(corners) else (at, Faces([corners], np.arange(len(corners))))
+        described = Surface.near(one.contact, points)
+    except (LookupError, OSError, ValueError):
+        return None
+    if np.abs(described.heights(opposite)).max() > VISIBLE * np.ptp(one.case.mesh.points, axis=0).max():
+        return None
+    at, corners = described.mesh(points)
+    return at, Faces([corners], np.arange(len(corners)))
 
 
 def colored(part: Part, view: View, window: Array, size: tuple[int, int]) -> Array:
@@ -175,7 +191,8 @@ def colored(part: Part, view: View, window: Array, size: tuple[int, int]) -> Arr
         sheet = look(view.of(corners), faces, window, size)
         is_near = sheet.depth > np.where(is_free, -np.inf, seen.depth - VISIBLE * np.ptp(window[:, 0]))
         blend(image, is_near & (sheet.number >= 0), OBSTACLE, VEIL)
-        blend(image, is_near & (sheet.edge > 0), OBSTACLE, RIDGES)
+        has_lines = len(corners) <= COARSE
+        blend(image, is_near & (sheet.edge > (0 if has_lines else 1)), OBSTACLE, RIDGES)
     return smoothed(image)
 
 
@@ -269,7 +286,9 @@ class ContactSet:
         """The name of the set and what it is on."""
         name = str(self.contact.get("name") or self.contact.get("set") or f"contact set {self.number}")
         kind = self.contact.get("obstacle")
-        if "against" in self.contact or not kind:
+        if "against" in self.contact:
+            return f"{name} on {self.contact['against']}"
+        if not kind:
             return name
         radius = f" of radius {self.contact['radius']:g}" if "radius" in self.contact else ""
         return f"{name} on a {kind}{radius}"
@@ -485,7 +504,8 @@ def map_image(one: Map, name: str, size: tuple[int, int]) -> Array:
         image[here, :3], image[here, 3] = np.array([PAPER, *map(pale, range(1, len(STATUSES) + 1))])[status], 1.0
     else:
         limits = quantity_limits(one, name)
-        values = (faces.at_corners(data[name])[number] * seen.weights).sum(axis=-1)
+        at_corners = faces.at_corners(data[name])
+        values = seen.values(at_corners if one.is_equal else np.concatenate([at_corners, at_corners]))
         paint(image, seen, values, limits, has_lines=False)
         blend(image, here & (values <= ROUNDING * limits[1]), PAPER, 1.0)
     if len(faces.cells) <= FINE:

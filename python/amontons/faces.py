@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from amontons.grid import EDGES, FACES, Array, Grid
-from amontons.raster import nearest
+from amontons.raster import nearest, weights_of
 
 # Shape functions of corners and of middle nodes in the middle of a face, by its number of nodes.
 MIDDLE = {3: (1 / 3, 0.0), 4: (1 / 4, 0.0), 6: (-1 / 9, 4 / 9), 8: (-1 / 4, 1 / 2)}
@@ -111,11 +111,17 @@ class View:
 @dataclass(frozen=True)
 class Seen:
     """What is seen of triangles, pixel by pixel; rows from above."""
+    corners: Array  # of the triangles, in the picture (n, 3, 3)
+    window: Array  # what is shown of it
     number: Array  # the triangle, -1 where there is none (height, width)
-    weights: Array  # of its corners (height, width, 3)
     depth: Array  # towards the eye (height, width)
     normals: Array  # of the triangles, in the picture (n, 3)
     edge: Array  # 0, 1 where another face begins, 2 where the body has an edge or an outline (height, width)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Of the corners of its triangle in each pixel (height, width, 3)."""
+        return weights_of(self.corners, self.number, self.window)
 
     def values(self, corners: Array) -> Array:
         """What the corners of the triangles have (n_triangles, 3), pixel by pixel."""
@@ -136,7 +142,7 @@ def look(corners: Array, faces: Array, window: Array, size: tuple[int, int]) -> 
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
     width, height = (2 * count for count in size)  # see `smoothed`
-    number, weights, depth = nearest(corners, window, (width, height))
+    number, depth = nearest(corners, window, (width, height))
     face = np.append(faces, -1)[number]
     edge = np.zeros(number.shape, np.uint8)
     step = STEEP * np.ptp(window[:, 0]) / width
@@ -156,7 +162,7 @@ def look(corners: Array, faces: Array, window: Array, size: tuple[int, int]) -> 
         for place in (here, there):
             edge.flat[place[is_edge]] = 2
     edge[number < 0] = 0
-    return Seen(number, weights, depth, normals, edge)
+    return Seen(corners, window, number, depth, normals, edge)
 
 
 def smoothed(image: Array) -> Array:

@@ -16,6 +16,7 @@ N_POINTS = 801  # of a curved line: no corner is seen at the size of a page
 MOST_STROKES = 100000
 N_LINES = 17  # of a surface in space, along the longer side
 BEYOND = 0.12  # of the extent of a contact set, how far a surface in space goes on
+ASIDE = 0.25   # of the extent of a contact set, how far beside it triangles are drawn
 FALL = 0.12    # of the extent, from the apex of a curved surface to its ends
 ROUND = 1.4    # rad: the most of a sphere or cylinder that is drawn to each side
 
@@ -118,6 +119,29 @@ class Surface:
         number = np.arange(counts[0] * counts[1]).reshape(counts)
         quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1)
         return self.apex + np.stack([s, t, h], axis=1) @ self.frame, quads.reshape(-1, 4)
+
+
+def triangles_near(contact: dict[str, Any], points: Array) -> tuple[Array, Array]:
+    """The triangles of the surface of a `&contact` beside some points, or as far from these as they extend: places
+    (n, 3) and the corners of the triangles, by these."""
+    corners = read_stl(contact["file"]) + np.array(contact.get("point", (0.0, 0.0, 0.0)), dtype=float)
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = ASIDE * (high - low).max()
+    near = corners[((corners.max(axis=1) > low - margin) & (corners.min(axis=1) < high + margin)).all(axis=1)]
+    return near.reshape(-1, 3), np.arange(3 * len(near)).reshape(-1, 3)
+
+
+def read_stl(path: Union[str, os.PathLike[str]]) -> Array:
+    """The corners of the triangles of an STL file, binary or text (n, 3, 3)."""
+    data = Path(path).read_bytes()
+    count = int.from_bytes(data[80:84], "little")
+    if len(data) == 84 + 50 * count:
+        rows = np.frombuffer(data, np.dtype([("numbers", "<f4", 12), ("attribute", "<u2")]), count, 84)
+        return rows["numbers"][:, 3:].reshape(-1, 3, 3).astype(float)
+    words = re.findall(rb"(?i)\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", data)
+    if not words or len(words) % 3:
+        raise ValueError(f"{path}: not an STL file")
+    return np.array(words).astype(float).reshape(-1, 3, 3)
 
 
 def read_line(path: Union[str, os.PathLike[str]]) -> Array:

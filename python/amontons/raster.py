@@ -28,37 +28,50 @@ def cell_image(polygons: list[tuple[Array, Array]], window: Array, size: tuple[i
     return pixels.reshape(height, width)
 
 
-def nearest(triangles: Array, window: Array, size: tuple[int, int]) -> tuple[Array, Array, Array]:
-    """What is seen of triangles in a window: which of them is in front in each pixel, -1 where there is none, the
-    weights of its corners at the middle of the pixel, and the depth (height, width), rows from above. Corners have
-    places in the window, as x and y, and a depth, which grows towards the eye (n, 3, 3)."""
+def nearest(triangles: Array, window: Array, size: tuple[int, int]) -> tuple[Array, Array]:
+    """What is seen of triangles in a window: which of them is in front in each pixel, -1 where there is none, and the
+    depth of its middle (height, width), rows from above. Corners have places in the window, as x and y, and a depth,
+    which grows towards the eye (n, 3, 3)."""
     width, height = size
     triangle, pixel = _covered(triangles[..., :2], window, size)
-    # The weights of the second and the third corner as a number and its changes by a column and a row.
-    first = triangles[:, 0]
-    a, b = triangles[:, 1] - first, triangles[:, 2] - first
-    area = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    area[area == 0.0] = np.inf
-    column, row = np.ptp(window[:, 0]) / width, -np.ptp(window[:, 1]) / height
-    x, y = window[0, 0] + column / 2 - first[:, 0], window[1, 1] + row / 2 - first[:, 1]
-    second = np.stack([x * b[:, 1] - y * b[:, 0], column * b[:, 1], -row * b[:, 0]]) / area
-    third = np.stack([y * a[:, 0] - x * a[:, 1], -column * a[:, 1], row * a[:, 0]]) / area
-    depth = second * a[:, 2] + third * b[:, 2]
-    depth[0] += first[:, 2]
-    y, x = np.divmod(pixel, width)
-    far = depth[0][triangle] + depth[1][triangle] * x + depth[2][triangle] * y
+    second, third = _shares(triangles, window, size)
+    base, across, down = second * (triangles[:, 1] - triangles[:, 0])[:, 2] + third * (
+        triangles[:, 2] - triangles[:, 0])[:, 2]
+    base += triangles[:, 0, 2]
+    row, column = np.divmod(pixel, width)
+    far = base[triangle] + across[triangle] * column + down[triangle] * row
     number, depths = np.full(height * width, -1), np.full(height * width, -np.inf)
     while len(pixel):  # as often as triangles cover each other
         nearer = np.flatnonzero(far > depths[pixel])
         triangle, pixel, far = triangle[nearer], pixel[nearer], far[nearer]
         number[pixel], depths[pixel] = triangle, far
-    here = np.flatnonzero(number >= 0)
-    y, x = np.divmod(here, width)
-    weights = np.zeros((height * width, 3))
-    weights[here, 1], weights[here, 2] = (share[0][number[here]] + share[1][number[here]] * x
-                                          + share[2][number[here]] * y for share in (second, third))
-    weights[here, 0] = 1.0 - weights[here, 1] - weights[here, 2]
-    return number.reshape(height, width), weights.reshape(height, width, 3), depths.reshape(height, width)
+    return number.reshape(height, width), depths.reshape(height, width)
+
+
+def weights_of(triangles: Array, number: Array, window: Array) -> Array:
+    """The weights of the corners of triangles that are seen in a window, at the middles of pixels (height, width, 3);
+    see `nearest`."""
+    height, width = number.shape
+    row, column = np.nonzero(number >= 0)
+    seen = number[row, column]
+    weights = np.zeros((height, width, 3))
+    for corner, (base, across, down) in enumerate(_shares(triangles, window, (width, height)), start=1):
+        weights[row, column, corner] = base[seen] + across[seen] * column + down[seen] * row
+    weights[row, column, 0] = 1.0 - weights[row, column, 1] - weights[row, column, 2]
+    return weights
+
+
+def _shares(triangles: Array, window: Array, size: tuple[int, int]) -> tuple[Array, Array]:
+    """The weights of the second and of the third corner of triangles: in the first pixel, and their changes by a column
+    and by a row (3, n)."""
+    column, row = np.ptp(window, axis=0) / size * [1, -1]
+    first = triangles[:, 0]
+    a, b = triangles[:, 1] - first, triangles[:, 2] - first
+    area = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    area[area == 0.0] = np.inf
+    x, y = window[0, 0] + column / 2 - first[:, 0], window[1, 1] + row / 2 - first[:, 1]
+    return (np.stack([x * b[:, 1] - y * b[:, 0], column * b[:, 1], -row * b[:, 0]]) / area,
+            np.stack([y * a[:, 0] - x * a[:, 1], -column * a[:, 1], row * a[:, 0]]) / area)
 
 
 def _covered(corners: Array, window: Array, size: tuple[int, int]) -> tuple[Array, Array]:

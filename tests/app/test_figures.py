@@ -29,7 +29,7 @@ from amontons.faces import View, boundary_faces  # noqa: E402
 from amontons.grid import Grid, read_grid  # noqa: E402
 from amontons.numerals import scientific  # noqa: E402
 from amontons.obstacles import Surface, hatching, surface  # noqa: E402
-from amontons.raster import cell_image, color_numbers, nearest, png_text  # noqa: E402
+from amontons.raster import cell_image, color_numbers, nearest, png_text, weights_of  # noqa: E402
 from amontons.report import cell_text  # noqa: E402
 from amontons.svg_axes import SvgAxes  # noqa: E402
 # pylint: enable=wrong-import-position
@@ -149,7 +149,9 @@ class Images(unittest.TestCase):
         depths = (square[:, 0], 1.0 - square[:, 0])
         triangles = np.array([[[*square[i], depth[i]] for i in corners] for depth in depths
                               for corners in ([0, 1, 2], [0, 2, 3])])
-        number, weights, depth = nearest(triangles, np.array([[-1.0, 0.0], [1.0, 1.0]]), (40, 10))
+        window = np.array([[-1.0, 0.0], [1.0, 1.0]])
+        number, depth = nearest(triangles, window, (40, 10))
+        weights = weights_of(triangles, number, window)
         x, y = np.meshgrid((np.arange(40) + 0.5)/20 - 1.0, 1.0 - (np.arange(10) + 0.5)/10)
         self.assertTrue((number[x < 0.0] == -1).all())
         inside = x > 0.0
@@ -407,7 +409,7 @@ class Solids(ProgramTest):
     def test_obstacles_in_space(self):
         near = np.array([[2.0, 3.0, 0.1], [4.0, 3.0, 0.2], [3.0, 5.0, 0.1]])
         placed = {"point": [1.0, 2.0, 0.0], "normal": [1.0, 2.0, 9.0]}
-        for kind in {*words_of("contact", "obstacle")} - {"circle", "parabola", "polyline"}:
+        for kind in {*words_of("contact", "obstacle")} - {"circle", "parabola", "polyline", "surface"}:
             for radius in (7.0, -7.0, 1e5):
                 contact = {**placed, "obstacle": kind, "radius": radius, "axis": [2.0, -1.0, 0.0]}
                 found = Surface.near(contact, near)
@@ -421,6 +423,28 @@ class Solids(ProgramTest):
                 self.assertAlmostEqual(outside[0], 0.1, delta=1e-10)
         with self.assertRaisesRegex(ValueError, "obstacle 'cusp' cannot be drawn"):
             Surface.near({"obstacle": "cusp"}, near)
+
+    def test_surfaces_of_triangles_are_read_and_drawn_beside_the_body(self):
+        # A floor of four triangles below the block and far beyond it, one more far away; as text and binary.
+        corners = np.array([[-1.0, -1.0, 0.5], [4.0, -1.0, 0.5], [4.0, 3.0, 0.5], [-1.0, 3.0, 0.5]])
+        middle = np.array([1.5, 1.0, 0.5])
+        triangles = np.array([[one, other, middle] for one, other in zip(corners, np.roll(corners, -1, axis=0))])
+        triangles = np.concatenate([triangles, triangles[:1] + [900.0, 0.0, 0.0]])
+        text = "".join("facet normal 0 0 1\nouter loop\n" + "".join(
+            "vertex " + " ".join(map(str, corner)) + "\n" for corner in triangle.tolist()) + "endloop\nendfacet\n"
+            for triangle in triangles)
+        self.write("text.stl", f"solid floor\n{text}endsolid floor\n")
+        rows = np.zeros(5, np.dtype([("numbers", "<f4", 12), ("attribute", "<u2")]))
+        rows["numbers"][:, 3:] = triangles.reshape(5, 9)
+        (self.directory / "binary.stl").write_bytes(b"floor".ljust(80) + struct.pack("<I", 5) + rows.tobytes())
+        for file in ("text.stl", "binary.stl"):
+            case = self.solve(self.PRESSED, f"{CONTACT}  obstacle = 'surface'  file = '{file}'  point = 0.0, 0.0, -0.5")
+            (points, faces), = obstacles(case, 1.0)
+            np.testing.assert_allclose(points, triangles[:4].reshape(-1, 3) - [0.0, 0.0, 0.5], atol=1e-15)
+            self.assertEqual(len(faces.cells), 4)
+        (self.directory / file).unlink()
+        (points, faces), = obstacles(Case(self.directory / "solid"), 1.0)
+        self.assertEqual(len(faces.cells), 6)  # those of the contact set
 
     def test_an_obstacle_is_where_the_deck_says_or_opposite_the_points(self):
         case = self.solve("support set = 'top'  ux = 0.0  uy = 0.0  uz = -0.01",
