@@ -128,6 +128,11 @@ contains
          if (any(locks .and. is_simplex)) call warnings%add(to_text(count(locks .and. is_simplex))// &
             ' linear elements ('//simplex//')'//material//'lock: stresses and forces are too large, by far near '// &
             '0.5; use '//trim(merge('tri6 or quadrilaterals', 'tet10 or hexahedra    ', n_dim == 2)))
+         associate (n_stiff => count(is_simplex .and. n_dim == 3 .and. .not. locks))
+            if (n_stiff > 0) call warnings%add(counted(n_stiff, 'linear element')//' (tet4): far too stiff in '// &
+               "bending, and the more so the larger Poisson's ratio is; use tet10 or hexahedra, or see with "// &
+               '--refine 2 what converges')
+         end associate
       end associate
       if (any(locks .and. .not. is_simplex)) call warnings%add(to_text(count(locks .and. .not. is_simplex))// &
          ' elements'//material//'are of the standard formulation: linear ones lock, and the stresses of quadratic '// &

@@ -54,6 +54,11 @@ class Guide(ProgramTest):
         pattern = ".*?".join(map(re.escape, message.strip().split("\u2026")))
         self.assertRegex(text, re.compile(pattern, re.DOTALL))
 
+    def mesh_parts(self):
+        """Makes the meshes of the guide's two parts, as it says."""
+        for dimension, name in (("-2", "foot"), ("-3", "bearing")):
+            self.run_command(["gmsh", dimension, "-order", "2", f"{name}.geo"])
+
     def test_every_comment_belongs_to_a_message_or_a_file(self):
         self.assertEqual(len(self.messages) + len(self.files), self.text.count("<!-- "))
         self.assertGreater(len(self.messages_by("raised by")), 20)
@@ -85,7 +90,7 @@ class Guide(ProgramTest):
             for name, content in FILE.findall(text):
                 self.write(name, content)
             if (self.directory / "foot.geo").exists():
-                self.run_command(["gmsh", "-2", "-order", "2", "foot.geo"])
+                self.mesh_parts()
             runs = [line.partition("\n") for console in CONSOLE.findall(text)
                     for line in re.split(r"^\$ ", console, flags=re.MULTILINE)]
             runs = [(command.split(), shown) for command, _, shown in runs if DONE_HERE.fullmatch(command)]
@@ -116,8 +121,9 @@ class Guide(ProgramTest):
     def test_example_works(self):
         for name, content in self.files:
             self.write(name, content)
-        self.run_command(["gmsh", "-2", "-order", "2", "foot.geo"])
-        self.assertRegex(self.run_program("--check", "foot.nml").stdout, r"^foot: deck OK; \d+ nodes, ")
+        self.mesh_parts()
+        for name in ("foot", "bearing"):
+            self.assertRegex(self.run_program("--check", f"{name}.nml").stdout, rf"^{name}: deck OK; \d+ nodes, ")
         run = self.run_program("--output", "results", "foot.nml")
         # Another version of Gmsh makes another mesh: what the guide says of the sole, to an element's side or two.
         lengths = self.result("foot", "results").lengths

@@ -99,6 +99,28 @@ class Input(ProgramTest):
                 self.assertEqual(row["status"], "slip")
                 self.assertGreater(float(row["wear_depth"]), 5e-11)
 
+    def test_ball_is_near_the_closed_form(self):
+        contact = self.result("ball")
+        force = contact["normal_force"]
+        moment = sum(f*(x*x + y*y) for f, x, y in zip(force, contact["x"], contact["y"]))
+        # The header's 1 %.
+        self.assertAlmostEqual(math.sqrt(2.5*moment/sum(force)), 0.3191, delta=0.01*0.3191)
+        self.assertAlmostEqual(max(contact["contact_pressure"]), 4688.0, delta=0.01*4688)
+
+    def test_floors_of_solids_bear_what_equilibrium_asks(self):
+        weight = 100.0*60.0*40.0*7.85e-9
+        for name, expected in (
+                ("solid_incline", {"x": -3355.2*weight, "y": -5.0, "z": 9218.4*weight}),
+                ("pad_torsion", {"x": 0.0, "y": 0.0, "z": 600.0}),
+                ("bracket_feet", {"x": -60.0, "y": -20.0, "z": 300.0}),
+                # The rotation of a section of 611 mm^2, its centroid 289.0625 mm from the axis and 5.359 off it.
+                ("blade_root_solid", {"x": -580.213, "y": -120.0e3 - 31292.28, "z": 0.0})):
+            key = json.loads((self.directory / f"{name}.summary.json").read_text(encoding="utf-8"))["key_results"]
+            for axis, exact in expected.items():
+                found = sum(force for word, force in key.items() if word.startswith(f"contact_force_{axis}"))
+                # The certificate's 1e-8 of the forces, and the digits above.
+                self.assertAlmostEqual(found, exact, delta=1e-7*max(map(abs, expected.values())), msg=f"{name} {axis}")
+
 
 if __name__ == "__main__":
     unittest.main()
