@@ -283,6 +283,67 @@ def print_peers(program, work, sizes):
           rows)
 
 
+def cube_deck(folder, n, element="hex8", further=""):
+    """A cube of n x n x n cells on a rough floor, its top moved down and aslant."""
+    folder.mkdir(parents=True, exist_ok=True)
+    deck = folder / f"cube_{element}_{n}{'_sweep' * bool(further)}.nml"
+    top = ("&support set = 'top'  ux = 0.02  uy = 0.005  uz = -0.05 /" if not further else
+           "&support set = 'top'  uz = -0.05 /\n&load name = 'push'  set = 'top'  traction = 0.004, 0.001, 0.0 /")
+    deck.write_text(f"&mesh kind = 'box'  size = 1.0, 1.0, 1.0  cells = {n}, {n}, {n}  element = '{element}' /\n"
+                    f"&material young = 1.0  poisson = 0.3 /\n{top}\n&contact set = 'bottom'  friction = 0.3 /\n{further}")
+    return deck
+
+
+def print_cubes(program, work, sizes):
+    """A cube of solids with all files, beside CalculiX, by turns: the quickest of three runs."""
+    rows = []
+    for n in sizes:
+        deck = cube_deck(work / "cubes", n)
+        ours, theirs, output = [], [], ""
+        for _ in range(3):
+            ours.append(run([program, "--quiet", "--threads", "1", "--output", work / "cubes", deck], threads=1)[1]["cpu"])
+            if version_of("calculix-ccx"):
+                output, used = run([PYTHON, BENCH / "calculix_cube.py", n], threads=1)
+                theirs.append(used["cpu"])
+        result = json.loads((work / "cubes" / f"{deck.stem}.summary.json").read_text())
+        key = result["key_results"]
+        row = [str(n), str(result["counts"]["dofs"]), str(result["iterations"]), seconds(min(ours)),
+               f"{key['contact_force_z']:.6g}", f"{-key['contact_force_x']:.6g}"]
+        if theirs:
+            normal, friction = map(float, re.search(r"normal (\S+) friction (\S+)", output).groups())
+            row += [seconds(min(theirs)), f"{min(theirs) / min(ours):.0f}",
+                    f"{100 * (normal / key['contact_force_z'] - 1):+.4f} %",
+                    f"{100 * (friction / -key['contact_force_x'] - 1):+.4f} %"]
+        else:
+            row += ["not installed", "-", "-", "-"]
+        rows.append(row)
+    table("A cube of n x n x n hexahedra on a rough floor, processor time of the whole command on one thread",
+          ["n", "unknowns", "steps", "s", "normal force", "friction", "CalculiX s", "times", "its normal force",
+           "its friction"], rows)
+
+
+def print_solids(program, work, sizes, n_cases):
+    """What the rest costs beside the factorization, and the memory that `--check` announces; further cases on one S."""
+    rows = []
+    for element, n in sizes:
+        deck = cube_deck(work / "cubes", n, element)
+        said = float(re.search(r"about (\S+) MB", run([program, "--check", "--threads", "1", deck])[0])[1])
+        used = best_of(3, [program, "--quiet", "--threads", "1", "--output", work / "cubes", deck], threads=1)
+        result = json.loads((work / "cubes" / f"{deck.stem}.summary.json").read_text())
+        spent = result["seconds"]["factorize"]
+        sweep = cube_deck(work / "cubes", n, element, f"&sweep load = 'push'  factor = 0.0, 1.0  count = {n_cases} /\n")
+        times = [run([program, "--quiet", "--threads", "1", "--output", work / "cubes", deck_of], threads=1)[1]["cpu"]
+                 for deck_of in (sweep, cube_deck(work / "cubes", n, element, "&sweep load = 'push'  factor = 1.0 /\n"))]
+        rows.append([f"{n}, {element}", str(result["counts"]["dofs"]), str(result["counts"]["contact_points"]),
+                     seconds(spent), f"{1e-9 * result['factor']['flops'] / spent:.1f}", seconds(used["cpu"]),
+                     f"{used['cpu'] / spent:.1f}", f"{used['mb']:.0f}", f"{used['mb'] / said:.2f}",
+                     seconds((times[0] - times[1]) / (n_cases - 1))])
+    table("Cubes of solids, one thread: the factorization, the whole command over it, memory over what `--check` says, and "
+          "a further case on the same matrix of the contact points",
+          ["cube", "unknowns", "contact points", "factorize s", "Gflop/s", "whole command s", "times", "memory MB",
+           "of what was said", "a further case s"], rows)
+
+
 def print_reduced(program, work, sizes, rates):
     """Reduced problems of the bar: `auto`, one sweep of `psor`, and Siconos."""
     rows = []
@@ -381,6 +442,9 @@ def main(build, work, is_full):
         ("pairs", print_pairs, (128, 256, 512) if is_full else (128,)),
         ("ways of contact", print_beside, is_full),
         ("other programs", print_peers, (64, 128, 256) if is_full else (32, 64)),
+        ("cubes", print_cubes, (8, 16, 24) if is_full else (8, 16)),
+        ("solids", print_solids, (("hex8", 16), ("hex8", 24), ("tet10", 8), ("hex20", 8)) + (("tet10", 16),) * is_full,
+         51 if is_full else 11),
         ("reduced problems", print_reduced, (128, 256, 512, 1024) if is_full else (128, 256), rates),
         ("histories", print_histories, (100, 1000, 10000)),
         ("steps beside cases", print_steps_beside_cases, 200 if is_full else 20),
