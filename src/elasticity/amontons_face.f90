@@ -11,7 +11,7 @@ module amontons_face
    implicit none (type, external)
    private
 
-   public :: face_t, new_face, place_side, set_faces
+   public :: face_kind, face_t, new_face, place_side, set_faces
 
    !> A face with what is integrated over it at its Gauss points, exact for products of quadratic functions on a line or
    !> a plane.

@@ -10,7 +10,7 @@ module amontons_material
    private
 
    public :: axes_at_angle, formulation_names, hypothesis_names, isotropic_law, material_t, materials_t, new_material, &
-      new_materials, on_axis, turned_compliance
+      new_materials, on_axis, stresses_in, turned_compliance
 
    !> Hypotheses that reduce a body to the plane, as a deck writes them. Under 'axisymmetric' x is the radius and y the
    !> axis of revolution.
@@ -237,20 +237,27 @@ contains
    pure function turned_compliance(compliance, axes) result(turned)
       real(dp), intent(in) :: compliance(n_strains, n_strains) !! the compliance [L^2/F]
       real(dp), intent(in) :: axes(3, 3) !! the other axes, orthonormal, as columns [-]
-      real(dp) :: turned(n_strains, n_strains)
-      integer, parameter :: first(n_strains) = [1, 2, 3, 1, 2, 1], second(n_strains) = [1, 2, 3, 2, 3, 3]
+      real(dp) :: turned(n_strains, n_strains), stress(n_strains, n_strains)
+
+      stress = stresses_in(axes)
+      turned = matmul(transpose(stress), matmul(compliance, stress))
+   end function turned_compliance
+
+   !> The stresses in the old axes that unit stresses in other axes are. Strains in the other axes are its transpose
+   !> times those in the old ones [-].
+   pure function stresses_in(axes) result(stress)
+      real(dp), intent(in) :: axes(3, 3) !! the other axes, orthonormal, as columns [-]
       real(dp) :: stress(n_strains, n_strains)
+      integer, parameter :: first(n_strains) = [1, 2, 3, 1, 2, 1], second(n_strains) = [1, 2, 3, 2, 3, 3]
       integer :: i, k
 
-      ! The stresses in the old axes that unit stresses in the turned ones are.
       do k = 1, n_strains
          do i = 1, n_strains
             stress(i, k) = axes(first(i), first(k))*axes(second(i), second(k))
             if (k > 3) stress(i, k) = stress(i, k) + axes(first(i), second(k))*axes(second(i), first(k))
          end do
       end do
-      turned = matmul(transpose(stress), matmul(compliance, stress))
-   end function turned_compliance
+   end function stresses_in
 
    !> The axes that are turned about z by an angle, counterclockwise, as columns [-].
    pure function axes_at_angle(angle) result(axes)

@@ -446,7 +446,6 @@ contains
       do i = 1, size(config%ties)
          call faults%add(0, config%ties(i)%origin//'a tie'//sentence)
       end do
-      if (config%history%has_fretting) call faults%add(0, config%file//": fretting = 'parameters'"//sentence)
    end subroutine refuse_in_space
 
 end module amontons_config

@@ -12,6 +12,7 @@ from histories import HistoryTest
 
 TIMES = "history times = 0.0, 1.0, 2.0, 3.0  substeps = 4  cycles = 1.0, 2.0, 3.0"
 OUTPUT = "output points_every = 1  states_every = 6  fields_every = 12"
+SIDES = ("left", "right"), ("front", "back"), ("bottom", "top")
 # How a floor moves under a body: here and there along two directions, and along its normal.
 WAYS = {"x": "0.0, 0.06, 0.06, -0.03", "y": "0.0, 0.0, 0.05, -0.04", "z": "0.0, 0.004, -0.004, 0.002"}
 
@@ -54,7 +55,8 @@ class SolidHistory(HistoryTest):
         # One layer between two guides is plane strain; both fronts have half of the plane's forces.
         rest = ("steps load = 'press'  factor = 0.0, 1.0, 1.0, 0.5",
                 "steps load = 'push'  factor = 0.0, 0.8, -1.0, 0.9",
-                "load name = 'press'  set = 'top'  pressure = 2.0", TIMES, "output points_every = 1",
+                "load name = 'press'  set = 'top'  pressure = 2.0", TIMES,
+                "output points_every = 1  fretting = 'parameters'",
                 "contact name = 'floor'  set = 'bottom'  friction = 0.4  wear = 1.0e-3")
         material = "young = 130.0  poisson = 0.2"
         self.walk_verified(block(
@@ -89,6 +91,11 @@ class SolidHistory(HistoryTest):
                 for name in ("gap", "slip_accumulated", "contact_pressure", "wear_depth"):
                     self.assertAlmostEqual(twin[name], row[name], delta=1e-9, msg=name)
                 self.assertAlmostEqual(abs(row["slip"]), twin["slip"], delta=1e-10)
+                self.assertAlmostEqual(twin["ruiz_1"], row["ruiz_1"], delta=1e-9)
+                # The stress along the layer, or that across it, of which strain there is none.
+                along = row["surface_stress"]
+                self.assertAlmostEqual(twin["surface_stress"], max(along, 0.2*(along - row["contact_pressure"])),
+                                       delta=1e-8)
                 self.assertEqual(twin["status"], row["status"].rstrip("+-"))
 
     def test_floor_that_goes_round_takes_its_way_times_friction(self):
@@ -102,7 +109,8 @@ class SolidHistory(HistoryTest):
                 self.walk_verified(solid(
                     "support set = 'top'  ux = 0.0  uy = 0.0", "load set = 'top'  pressure = 2.0",
                     "contact name = 'floor'  set = 'bottom'  friction = 0.3",
-                    f"history times = {', '.join(map(str, range(n + 1)))}", "output points_every = 1",
+                    f"history times = {', '.join(map(str, range(n + 1)))}  cycles = 0.0, {n}",
+                    "output points_every = 1  fretting = 'parameters'",
                     f"steps obstacle = 'floor'  shift_x = {way['x']}  shift_y = {way['y']}", element=element,
                     cells="2, 2, 1", material="young = 1.0e8  poisson = 0.0"))
                 force, chord = 0.3*2.0*4.0, 2.0*radius*math.sin(math.pi/n)
@@ -120,6 +128,45 @@ class SolidHistory(HistoryTest):
                     self.assertAlmostEqual(row["slip_x"], -radius*math.sin(angles[step]), delta=1e-7)
                     self.assertAlmostEqual(row["slip_y"], -radius*(1.0 - math.cos(angles[step])), delta=1e-7)
                     self.assertAlmostEqual(row["slip"], math.hypot(row["slip_x"], row["slip_y"]), delta=1e-15)
+
+                # The range of a slip is the width of its path in the widest of directions 2 degrees apart.
+                shear = {}
+                for row in self.rows("points.csv"):
+                    shear[row["point"]] = max(row["contact_shear"], shear.get(row["point"], 0.0))
+                    if row["step"] == n + 1:
+                        ruiz = shear[row["point"]]*2.0*radius
+                        self.assertAlmostEqual(row["ruiz_1"], ruiz, delta=2e-4*ruiz)
+
+    def test_stress_in_the_surface_is_exact(self):
+        # A hot block in uniform stress on a smooth floor or wall, pulled in two directions and sheared between them:
+        # 2 and 1 along these, shear 3/4. The planes of SWT are 5 degrees apart; one of them is as near as 2.5.
+        principal = 1.5 + math.hypot(0.5, 0.75)
+        across = 1.5 - math.hypot(0.5, 0.75)
+        swt = 0.5*principal*2.0*(principal - 0.3*across)/200.0
+        for element in ("hex8", "hex20", "tet10", "tet4"):
+            for shift in (0, 1, 2):
+                with self.subTest(element, shift=shift):
+                    def turned(*vector, by=shift):
+                        return ", ".join(str(vector[(i - by) % 3]) for i in range(3))
+                    ends = [SIDES[(i + shift) % 3] for i in range(3)]
+                    first, second = f"u{'xyz'[shift]}", f"u{'xyz'[(1 + shift) % 3]}"
+                    self.walk_verified(solid(
+                        *(f"load name = 'pull'  set = '{ends[i][k]}'  traction = {turned(*(s*(2*k - 1) for s in pull))}"
+                          for i, pull in enumerate(((2.0, 0.75, 0.0), (0.75, 1.0, 0.0))) for k in (0, 1)),
+                        f"load set = '{ends[2][1]}'  pressure = 3.0", "load temperature = 10.0",
+                        f"contact set = '{ends[2][0]}'  normal = {turned(0.0, 0.0, 1.0)}",
+                        f"support point = {turned(0.0, 0.0, 1.0)}  {first} = 0.0  {second} = 0.0",
+                        f"support point = {turned(1.0, 0.0, 1.0)}  {second} = 0.0",
+                        "history times = 0.0, 1.0, 2.0  cycles = 0.0, 2.0",
+                        "steps load = 'pull'  factor = 1.0, -1.0, 1.0",
+                        "output points_every = 2  fretting = 'parameters'", size="1.0, 1.0, 1.0", cells="2, 2, 2",
+                        element=element, material="young = 200.0  poisson = 0.3  expansion = 1.0e-3"))
+                    for row in self.rows("points.csv"):
+                        # Rounding.
+                        self.assertAlmostEqual(row["surface_stress"], principal, delta=1e-11)
+                        if row["step"] == 3.0:
+                            self.assertAlmostEqual(row["swt"], swt, delta=0.005*swt)
+                            self.assertAlmostEqual(row["swt_angle"], 0.0, delta=1e-12)
 
     def test_path_round_a_corner_is_that_of_a_spring_and_a_slider(self):
         # A column in uniform shear, of stiffness G A/h, on a floor that bears no more than its slip bound: the floor
@@ -182,6 +229,22 @@ class SolidHistory(HistoryTest):
                     for column in ("gap", "slip_x", "slip_y", "normal_force", "force_x", "force_y", "force_z"):
                         # Two solutions to a residual of 1e-10 of forces of 1.
                         self.assertAlmostEqual(before[column], after[column], delta=1e-9)
+
+    def test_surface_of_two_triangles_moves_as_the_plane(self):
+        corners = [(-1.0, -1.0, 0.0), (4.0, -1.0, 0.0), (4.0, 4.0, 0.0), (-1.0, 4.0, 0.0)]
+        facets = "".join("facet normal 0 0 1\nouter loop\n" + "".join(
+            "vertex " + " ".join(map(str, corners[i])) + "\n" for i in nodes) + "endloop\nendfacet\n"
+            for nodes in ((0, 1, 2), (0, 2, 3)))
+        self.write("floor.stl", f"solid floor\n{facets}endsolid floor\n")
+        self.walk(pushed())
+        plane = self.rows()
+        self.walk_verified(pushed().replace("set = 'bottom'  ", "set = 'bottom'  obstacle = 'surface'  file = "
+                                            "'floor.stl'  "))
+        for before, after in zip(plane, self.rows(), strict=True):
+            for name in before:
+                if name not in ("iterations", "statuses", "residual"):
+                    # Gaps of two routes differ by rounding.
+                    self.assertAlmostEqual(before[name], after[name], delta=1e-9, msg=name)
 
     def test_restart_from_any_written_step_has_the_same_bytes(self):
         text = pushed().replace("states_every = 6", "states_every = 3")

@@ -1,36 +1,42 @@
 !> Stresses at the surface of the body at the contact points, from contact displacements and forces alone.
 !>
 !> The tangential strain of the line is the derivative of the displacements along it, the traction on it is the contact
-!> force; the law of the material gives the stress along the surface and the one out of the plane. Everything is linear
+!> force; the law of the material gives the stress along the surface and the one out of the plane. In space the surface
+!> has three strains, and the law gives the three stresses that act in it. Everything is linear
 !> in the factors of the parts and in the contact displacements, so that a step needs no displacements of other nodes.
 module amontons_surface_stress
    use amontons_body, only: body_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_element, only: side_abscissa, side_shapes
+   use amontons_dense, only: cholesky_factor, cholesky_inverse, vector_product
+   use amontons_element, only: max_nodes, quadrature_point, shape_functions, side_abscissa, side_shapes
    use amontons_error, only: error_t, input_refused, new_error
-   use amontons_face, only: face_t, set_faces
+   use amontons_face, only: face_kind, face_t, set_faces
    use amontons_frame, only: turned
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t
-   use amontons_material, only: axes_at_angle, in_plane, material_t, n_strains, turned_compliance
+   use amontons_material, only: axes_at_angle, in_plane, material_t, n_strains, stresses_in, turned_compliance
    use amontons_rounding, only: input_rounding
    implicit none (type, external)
    private
 
    public :: new_surface_stress, surface_stress_t
 
-   !> The stresses along the surface and out of the plane at each point, as sums over nodal displacements.
+   !> The stresses that do not act on the surface, as sums over nodal displacements: two in the plane, along the surface
+   !> and out of the plane, three in space.
    type :: surface_stress_t
-      integer, allocatable, private :: start(:) !! first term of each sum, and one beyond the last (2m + 1)
+      integer, allocatable, private :: start(:) !! first term of each sum, and one beyond the last (n_dim m + 1)
       integer, allocatable, private :: column(:) !! contact displacement of each term (terms)
       real(dp), allocatable, private :: row(:) !! its factor (terms) [F/L^3]
-      real(dp), allocatable, private :: part(:, :) !! contribution of each part to the sums (2m, parts) [F/L^2]
-      real(dp), allocatable, private :: share(:, :) !! contributions of normal stress and shear to each sum (2, 2m) [-]
-      real(dp), allocatable, private :: outward(:, :) !! outward normal of the surface in the frame (n; t) (2, m) [-]
+      real(dp), allocatable, private :: part(:, :) !! contribution of each part to the sums (n_dim m, parts) [F/L^2]
+      real(dp), allocatable, private :: share(:, :)
+         !! contributions of normal stress and shears to each sum (n_dim, n_dim m) [-]
+      real(dp), allocatable, private :: axes(:, :, :)
+         !! outward normal and tangents of the surface, as columns in the frame of each point (n_dim, n_dim, m) [-]
       real(dp), allocatable, private :: area(:) !! area of each point (m) [L^2]
       real(dp), allocatable :: compliance(:, :, :)
-         !! strains of stresses, both in the order of `stress`, the shear strain the engineering one (4, 4, m) [L^2/F]
+         !! strains of stresses, both in the order of `stress`, shear strains the engineering ones (2 n_dim, 2 n_dim, m)
+         !! [L^2/F]
    contains
       procedure :: stress => surface_stress_stress
    end type surface_stress_t
@@ -38,7 +44,7 @@ module amontons_surface_stress
    !> A quadrature point on a face.
    type :: place_t
       integer :: face = 0 !! number of the face
-      real(dp) :: xi = 0.0_dp !! local coordinate, from -1 to 1 [-]
+      real(dp) :: xi(2) = 0.0_dp !! local coordinates, in the plane one, from -1 to 1 [-]
       real(dp) :: weight = 0.0_dp !! weight in the mean over the point's part of the line
    end type place_t
 
@@ -51,20 +57,21 @@ contains
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(load_case_t), intent(in) :: parts(:) !! the parts, for their thermal strain
-      real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (2, n_nodes, parts) [L]
+      real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (n_dim, n_nodes, parts) [L]
       type(error_t), allocatable, intent(out) :: error !! a set is missing, or the body is twisted
       type(place_t), allocatable :: places(:)
       type(face_t), allocatable :: faces(:)
-      integer :: p, set
+      integer :: n, p, set
 
+      n = size(body%zone%position, 1)
       if (body%materials%is_twisted()) then
          call new_error(error, input_refused, "fretting = 'parameters' does not go with twist = .true.")
          return
       end if
       associate (zone => body%zone, m => body%zone%n_points)
-         allocate (surface%part(2*m, size(parts)), surface%share(2, 2*m), surface%outward(2, m), &
-            surface%compliance(4, 4, m), surface%column(1), surface%row(1))
-         allocate (surface%start(2*m + 1), source=1)
+         allocate (surface%part(n*m, size(parts)), surface%share(n, n*m), surface%axes(n, n, m), &
+            surface%compliance(2*n, 2*n, m), surface%column(1), surface%row(1))
+         allocate (surface%start(n*m + 1), source=1)
          surface%area = zone%area
          set = 0
          do p = 1, m
@@ -87,9 +94,10 @@ contains
    !> The quadrature points of the faces at a node, weighted by its shape function and the depth.
    pure subroutine find_node_places(places, position, faces, body)
       type(place_t), allocatable, intent(out) :: places(:) !! the places
-      real(dp), intent(in) :: position(2) !! coordinates of the node [L]
+      real(dp), intent(in) :: position(:) !! coordinates of the node (n_dim) [L]
       type(face_t), intent(in) :: faces(:) !! the faces of the set
       type(body_t), intent(in) :: body !! the body
+      real(dp) :: xi(2), weight
       integer :: i, k, point
 
       allocate (places(0))
@@ -98,10 +106,17 @@ contains
             associate (face => faces(i))
                if (any(abs(body%mesh%coordinates(:, body%partner(face%node(k))) - position) > 0.0_dp)) cycle
                do point = 1, size(face%area)
+                  if (size(position) == 3) then
+                     call quadrature_point(face_kind(face%n_nodes), size(face%area), point, xi, weight)
+                     ! A corner of a quadratic face has no weight of its own: the square of its function is one.
+                     weight = face%values(k, point)**merge(1, 2, face%n_nodes <= 4)*face%area(point)
+                     places = [places, place_t(i, xi, weight)]
+                     cycle
+                  end if
                   ! With the depth a corner of a quadratic side on the axis of revolution would have no weight.
-                  places = [places, place_t(i, side_abscissa(point), face%values(k, point)*merge(face%area(point), &
-                     face%length(point), face%n_nodes == 2 .or. .not. body%is_axisymmetric .or. &
-                     position(1) > input_rounding*face%position(1, point)))]
+                  places = [places, place_t(i, [side_abscissa(point), 0.0_dp], face%values(k, point) &
+                     *merge(face%area(point), face%length(point), face%n_nodes == 2 .or. .not. body%is_axisymmetric &
+                     .or. position(1) > input_rounding*face%position(1, point)))]
                end do
             end associate
          end do
@@ -132,30 +147,33 @@ contains
                end associate
                if (.not. distance < least) cycle
                least = distance
-               places(q) = place_t(i, xi, zone%quadrature%share(at))
+               places(q) = place_t(i, [xi, 0.0_dp], zone%quadrature%share(at))
             end do
          end associate
       end do
    end subroutine find_cell_places
 
-   !> Makes the sums of a point. Strains along the surface and out of the plane are the compliance times all stresses:
-   !> the part that does not come from the traction comes from the two unknown stresses.
+   !> Makes the sums of a point. Strains in the surface and out of the plane are the compliance times all stresses:
+   !> the part that does not come from the traction comes from the unknown stresses.
    subroutine add_point(surface, p, places, faces, body, parts, fields)
       type(surface_stress_t), intent(inout) :: surface !! gains the point
       integer, intent(in) :: p !! the point
-      type(place_t), intent(in) :: places(:) !! places on its part of the line
+      type(place_t), intent(in) :: places(:) !! places on its part of the line or surface
       type(face_t), intent(in) :: faces(:) !! the faces of its set
       type(body_t), intent(in) :: body !! the body, condensed
       type(load_case_t), intent(in) :: parts(:) !! the parts, for their thermal strain
-      real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (2, n_nodes, parts) [L]
+      real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (n_dim, n_nodes, parts) [L]
       type(material_t) :: material
       real(dp), allocatable :: field(:, :, :)
-      real(dp) :: thermal(2, size(parts)), share(2, 2), outward(2), tangent(2), row(2*body%zone%n_points)
-      real(dp) :: weight, values(3), slopes(3), along(2), position(2), compliance(4, 4), law(2, 2)
-      real(dp) :: form(n_strains), strain(2), expansion
-      integer :: i, j, k
+      real(dp), dimension(size(fields, 1), size(fields, 1)) :: axes, share, law, push
+      real(dp), dimension(size(fields, 1)) :: outward, position, strain
+      real(dp) :: thermal(size(fields, 1), size(parts)), row(size(fields, 1)*body%zone%n_points)
+      real(dp) :: compliance(2*size(fields, 1), 2*size(fields, 1)), gradients(3, max_nodes), values(max_nodes)
+      real(dp) :: form(n_strains), weight, slopes(3), along(2), expansion
+      integer :: d, i, j, k
 
-      allocate (field(2, body%mesh%n_nodes, 2), source=0.0_dp)
+      d = size(fields, 1)
+      allocate (field(d, body%mesh%n_nodes, d), source=0.0_dp)
       thermal = 0.0_dp
       share = 0.0_dp
       outward = 0.0_dp
@@ -164,21 +182,32 @@ contains
             element => faces(places(j)%face)%element)
             weight = places(j)%weight/sum(places%weight)
             material = body%materials%list(body%materials%of_element(element))
-            call side_shapes(n > 2, places(j)%xi, values, slopes)
-            position = matmul(body%mesh%coordinates(:, nodes(:n)), values(:n))
-            along = matmul(body%mesh%coordinates(:, nodes(:n)), slopes(:n))
-            tangent = along/norm2(along)
-            compliance = surface_compliance(material, tangent)
-            if (material%is_plane_stress) then
-               law = reshape([1.0_dp/compliance(3, 3), 0.0_dp, 0.0_dp, 0.0_dp], [2, 2])
+            if (d == 3) then
+               call measure_face(axes, values, gradients, places(j)%xi, body%mesh%coordinates(:, nodes(:n)), &
+                  body%zone%frame(:, 2, p))
             else
-               law = reshape([compliance(4, 4), -compliance(4, 3), -compliance(3, 4), compliance(3, 3)], [2, 2]) &
-                  /(compliance(3, 3)*compliance(4, 4) - compliance(3, 4)**2)
+               call side_shapes(n > 2, places(j)%xi(1), values(:3), slopes)
+               along = matmul(body%mesh%coordinates(:, nodes(:n)), slopes(:n))
+               axes(:, 2) = along/norm2(along)
+               axes(:, 1) = [axes(2, 2), -axes(1, 2)]
             end if
-            share = share - weight*matmul(law, compliance(3:, :2))
-            outward = outward + weight*[tangent(2), -tangent(1)]
+            position = matmul(body%mesh%coordinates(:, nodes(:n)), values(:n))
+            compliance = surface_compliance(material, axes)
+            law = inner_law(compliance, material%is_plane_stress)
+            share = share - weight*matmul(law, compliance(d + 1:, :d))
+            outward = outward + weight*axes(:, 1)
             do k = 1, n
                associate (factors => field(:, nodes(k), :))
+                  if (d == 3) then
+                     ! How the strains along both tangents and their shear follow from the node's displacement.
+                     associate (slope => matmul(gradients(:, k), axes(:, 2:)))
+                        push(:, 1) = slope(1)*axes(:, 2)
+                        push(:, 2) = slope(2)*axes(:, 3)
+                        push(:, 3) = slope(2)*axes(:, 2) + slope(1)*axes(:, 3)
+                     end associate
+                     factors = factors + weight*matmul(push, law)
+                     cycle
+                  end if
                   do i = 1, 2
                      factors(:, i) = factors(:, i) + weight*law(i, 1)*slopes(k)*along/sum(along**2)
                      if (material%is_axisymmetric) factors(1, i) = factors(1, i) &
@@ -189,7 +218,12 @@ contains
             if (.not. allocated(parts(1)%element_load)) cycle
             associate (first => body%mesh%node_start(element), last => body%mesh%node_start(element + 1) - 1)
                form = material%expansion_form()
-               strain = [dot_product(form(in_plane), [tangent**2, product(tangent)]), form(3)]
+               if (d == 3) then
+                  form = matmul(form, stresses_in(axes(:, [2, 3, 1])))
+                  strain = form([1, 2, 4])
+               else
+                  strain = [dot_product(form(in_plane), [axes(:, 2)**2, product(axes(:, 2))]), form(3)]
+               end if
                do i = 1, size(parts)
                   expansion = 0.0_dp
                   do k = 1, n
@@ -202,10 +236,17 @@ contains
          end associate
       end do
       material = body%materials%list(body%materials%of_element(faces(places(1)%face)%element))
-      surface%outward(:, p) = matmul(outward, body%zone%frame(:, :, p))/norm2(outward)
-      surface%compliance(:, :, p) = surface_compliance(material, turned(outward)/norm2(outward))
-      do k = 1, 2
-         associate (sum_number => 2*(p - 1) + k)
+      if (d == 3) then
+         axes = tangent_axes(outward, body%zone%frame(:, 2, p))
+         surface%axes(:, :, p) = matmul(transpose(body%zone%frame(:, :, p)), axes)
+      else
+         axes(:, 1) = outward/norm2(outward)
+         surface%axes(:, 1, p) = matmul(outward, body%zone%frame(:, :, p))/norm2(outward)
+         surface%axes(:, 2, p) = turned(surface%axes(:, 1, p))
+      end if
+      surface%compliance(:, :, p) = surface_compliance(material, axes)
+      do k = 1, d
+         associate (sum_number => d*(p - 1) + k)
             row = condensed_force(body, field(:, :, k))
             surface%start(sum_number + 1) = surface%start(sum_number)
             do j = 1, size(row)
@@ -225,41 +266,96 @@ contains
       end do
    end subroutine add_point
 
-   !> The compliance in the frame of the surface: strains from stresses, both in the order of `surface_stress_stress`
-   !> (4, 4) [L^2/F].
-   pure function surface_compliance(material, tangent) result(compliance)
-      type(material_t), intent(in) :: material !! the material
-      real(dp), intent(in) :: tangent(2) !! unit vector along the surface, the outward normal on its right [-]
-      real(dp) :: compliance(4, 4), turned(n_strains, n_strains)
-      integer, parameter :: order(4) = [1, 4, 2, 3]
+   !> The axes of a surface in space: its normal, a tangent as near to a direction as can be, and the other (3, 3) [-].
+   pure function tangent_axes(normal, along) result(axes)
+      real(dp), intent(in) :: normal(3) !! the normal, of any length
+      real(dp), intent(in) :: along(3) !! the direction, across the normal or nearly so [-]
+      real(dp) :: axes(3, 3)
 
-      turned = turned_compliance(material%compliance, axes_at_angle(atan2(-tangent(1), tangent(2))))
-      compliance = turned(order, order)
+      axes(:, 1) = normal/norm2(normal)
+      axes(:, 2) = along - dot_product(along, axes(:, 1))*axes(:, 1)
+      axes(:, 2) = axes(:, 2)/norm2(axes(:, 2))
+      axes(:, 3) = vector_product(axes(:, 1), axes(:, 2))
+   end function tangent_axes
+
+   !> The axes of a face in space at a place, and the shape functions there with their gradients in the face.
+   pure subroutine measure_face(axes, values, gradients, xi, x, along)
+      real(dp), intent(out) :: axes(3, 3) !! outward normal and tangents, as columns [-]
+      real(dp), intent(out) :: values(:) !! value of each node's function (max_nodes) [-]
+      real(dp), intent(out) :: gradients(:, :) !! their gradients (3, max_nodes) [1/L]
+      real(dp), intent(in) :: xi(2) !! the place
+      real(dp), intent(in) :: x(:, :) !! coordinates of the face's nodes (3, nodes) [L]
+      real(dp), intent(in) :: along(3) !! the direction of the first tangent [-]
+      real(dp) :: derivatives(2, max_nodes), tangents(3, 2), normal(3), dual(3, 2)
+
+      call shape_functions(face_kind(size(x, 2)), xi, values, derivatives)
+      tangents = matmul(x, transpose(derivatives(:, :size(x, 2))))
+      normal = vector_product(tangents(:, 1), tangents(:, 2))
+      axes = tangent_axes(normal, along)
+      dual(:, 1) = vector_product(tangents(:, 2), normal)/sum(normal**2)
+      dual(:, 2) = vector_product(normal, tangents(:, 1))/sum(normal**2)
+      gradients = matmul(dual, derivatives)
+   end subroutine measure_face
+
+   !> The unknown stresses of the strains that they cause, where the surface bears nothing (n_dim, n_dim) [F/L^2].
+   pure function inner_law(compliance, is_plane_stress) result(law)
+      real(dp), intent(in) :: compliance(:, :) !! strains of stresses, from `surface_compliance` (2 n_dim, 2 n_dim)
+      logical, intent(in) :: is_plane_stress !! whether nothing acts out of the plane
+      real(dp) :: law(size(compliance, 1)/2, size(compliance, 1)/2)
+      integer :: info
+
+      if (size(law, 1) == 3) then
+         law = compliance(4:, 4:)
+         call cholesky_factor(law, info)
+         call cholesky_inverse(law)
+      else if (is_plane_stress) then
+         law = reshape([1.0_dp/compliance(3, 3), 0.0_dp, 0.0_dp, 0.0_dp], [2, 2])
+      else
+         law = reshape([compliance(4, 4), -compliance(4, 3), -compliance(3, 4), compliance(3, 3)], [2, 2]) &
+            /(compliance(3, 3)*compliance(4, 4) - compliance(3, 4)**2)
+      end if
+   end function inner_law
+
+   !> The compliance in the axes of the surface: strains from stresses, both in the order of `surface_stress_stress`
+   !> (2 n_dim, 2 n_dim) [L^2/F].
+   pure function surface_compliance(material, axes) result(compliance)
+      type(material_t), intent(in) :: material !! the material
+      real(dp), intent(in) :: axes(:, :) !! outward normal and tangents of the surface (n_dim, n_dim) [-]
+      real(dp) :: compliance(2*size(axes, 1), 2*size(axes, 1)), turned(n_strains, n_strains)
+      integer, parameter :: order(4) = [1, 4, 2, 3], order_in_space(n_strains) = [1, 4, 6, 2, 3, 5]
+
+      if (size(axes, 1) == 3) then
+         turned = turned_compliance(material%compliance, axes)
+         compliance = turned(order_in_space, order_in_space)
+      else
+         turned = turned_compliance(material%compliance, axes_at_angle(atan2(axes(2, 1), axes(1, 1))))
+         compliance = turned(order, order)
+      end if
    end function surface_compliance
 
    !> Stresses of each point in the frame of the surface: normal, shear (positive where the traction is along the
-   !> tangent), along the surface, out of the plane (4, m) [F/L^2].
+   !> tangent), along the surface, out of the plane (4, m); in space normal, both shears, along both tangents, and their
+   !> shear (6, m) [F/L^2].
    pure function surface_stress_stress(self, factor, v, force) result(stress)
       class(surface_stress_t), intent(in) :: self !! the sums
       real(dp), intent(in) :: factor(:) !! factors of the parts [-]
-      real(dp), intent(in) :: v(:) !! contact displacements (2m) [L]
-      real(dp), intent(in) :: force(:) !! contact forces (2m) [F]
-      real(dp) :: stress(4, size(self%area))
-      real(dp) :: traction(2), sums(2*size(self%area))
-      integer :: p, k, i, m
+      real(dp), intent(in) :: v(:) !! contact displacements (n_rows) [L]
+      real(dp), intent(in) :: force(:) !! contact forces (n_rows) [F]
+      real(dp) :: stress(2*size(self%axes, 1), size(self%area))
+      real(dp) :: sums(size(self%part, 1))
+      integer :: p, k, i, m, d
 
       m = size(self%area)
       sums = matmul(self%part, factor)
-      do i = 1, 2*m
+      d = size(self%axes, 1)
+      do i = 1, d*m
          do k = self%start(i), self%start(i + 1) - 1
             sums(i) = sums(i) + self%row(k)*v(self%column(k))
          end do
       end do
       do p = 1, m
-         traction = -force([p, p + m])/self%area(p)
-         stress(1, p) = dot_product(traction, self%outward(:, p))
-         stress(2, p) = traction(2)*self%outward(1, p) - traction(1)*self%outward(2, p)
-         stress(3:4, p) = sums(2*p - 1:2*p) + matmul(stress(:2, p), self%share(:, 2*p - 1:2*p))
+         stress(:d, p) = matmul(-force(p::m)/self%area(p), self%axes(:, :, p))
+         stress(d + 1:, p) = sums(d*(p - 1) + 1:d*p) + matmul(stress(:d, p), self%share(:, d*(p - 1) + 1:d*p))
       end do
    end function surface_stress_stress
 

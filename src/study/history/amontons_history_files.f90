@@ -391,7 +391,8 @@ contains
    !=points.csv `wear_depth` | L | depth worn by the key `wear` of `&contact`, the step included; the next step has it
    !=   in its gap
    !=points.csv `surface_stress`, `ruiz_1`, `ruiz_2`, `swt`, `swt_angle` | F/L², F/L, F²/L³, F/L², rad | with
-   !=   `fretting`: stress along the surface, and [parameters](guide.md#fretting) of the cycle so far
+   !=   `fretting`: stress along the surface, in a solid the larger principal stress in it, and
+   !=   [parameters](guide.md#fretting) of the cycle so far
    !=points.csv `tangential_force_theta`, `contact_shear_theta`, `slip_theta` | F, F/L², L | of a twisted body: the same
    !=   around the axis; `slip_step` is then a length
    !=points.csv `z`, `force_x`, `force_y`, `force_z`, `slip_x`, `slip_y`, `slip_z` | L, F, L | of a solid: force of the

@@ -41,11 +41,14 @@ module amontons_time_stepping
    !> Numbers of each point at the beginning of a cycle: those without direction, and those for each tangent.
    integer, parameter :: n_scalars = 3, n_tangentials = 3
 
-   !> Number of planes through a point, by the angle of their normals to the tangent: 2 degrees apart.
-   integer, parameter :: n_planes = 90
-   !> Number of values of a point whose largest ones are kept: shear, stress along the surface, slip and its opposite;
-   !> stress, strain and the opposite of the strain along the normal of each plane.
-   integer, parameter :: n_extremes = 4 + 3*n_planes
+   !> Numbers of angles between the normals of planes through a point and the surface, in the plane and in space: 2 and
+   !> 5 degrees apart. In space there are as many directions along the surface for each.
+   integer, parameter :: n_angles(2:3) = [90, 36], n_planes(2:3) = [90, 36**2]
+   !> Number of directions in which the ranges of slips are measured, in the plane and in space: there 2 degrees apart.
+   integer, parameter :: n_ways(2:3) = [1, 90]
+   !> Number of values of a point whose largest ones are kept: shear, stress along the surface, slips in all directions
+   !> and their opposites; stress, strain and the opposite of the strain along the normal of each plane.
+   integer, parameter :: n_extremes(2:3) = 2 + 2*n_ways + 3*n_planes
    !> Number of fretting parameters.
    integer, parameter :: n_parameters = 5
    !> Names of the fretting parameters in tables.
@@ -54,7 +57,7 @@ module amontons_time_stepping
 
    !> Surface stresses and extremes of a cycle, for the fretting parameters.
    type :: fretting_t
-      real(dp), allocatable :: stress(:, :) !! stresses of the surface at the end of the last step (4, m) [F/L^2]
+      real(dp), allocatable :: stress(:, :) !! stresses of the surface at the end of the last step (2 n_dim, m) [F/L^2]
       real(dp), allocatable :: extreme(:, :) !! largest values over the cycle (n_extremes, m)
    contains
       procedure :: add => fretting_add
@@ -142,11 +145,11 @@ contains
       if (model%cycle_at(after%instant%time) > 0 .and. after%instant%time > self%begin) call self%finish(model, after)
    end subroutine cycle_record_add_step
 
-   !> Stresses at the surface in a state: normal, shear, along the surface, out of the plane (4, m) [F/L^2].
+   !> Stresses at the surface in a state, as `surface_stress_stress` orders them (2 n_dim, m) [F/L^2].
    pure function surface_stress(model, state) result(stress)
       type(history_model_t), intent(in) :: model !! the model
       type(step_state_t), intent(in) :: state !! the state
-      real(dp) :: stress(4, size(state%solution%status))
+      real(dp), allocatable :: stress(:, :)
 
       stress = model%surface%stress(state%instant%factor, state%solution%displacement, state%solution%force)
    end function surface_stress
@@ -301,42 +304,78 @@ contains
    pure subroutine fretting_add(self, surface, stress, position)
       class(fretting_t), intent(inout) :: self !! the cycle; gains the state
       type(surface_stress_t), intent(in) :: surface !! the surface, for its material
-      real(dp), intent(in) :: stress(:, :) !! stresses of the surface (4, m) [F/L^2]
-      real(dp), intent(in) :: position(:) !! tangential displacements less those of the obstacle (m) [L]
+      real(dp), intent(in) :: stress(:, :) !! stresses of the surface (2 n_dim, m) [F/L^2]
+      real(dp), intent(in) :: position(:) !! tangential displacements less those of the obstacle (n_rows - m) [L]
 
       self%stress = stress
-      self%extreme = max(self%extreme, sample(surface, stress, position))
+      self%extreme = max(self%extreme, sample(surface, stress, position, size(stress, 1)/2))
    end subroutine fretting_add
 
    !> The values of a state whose largest ones are kept (n_extremes, m).
-   pure function sample(surface, stress, position)
+   pure function sample(surface, stress, position, n_dim)
       type(surface_stress_t), intent(in) :: surface !! the surface, for its material
-      real(dp), intent(in) :: stress(:, :) !! stresses of the surface (4, m) [F/L^2]
-      real(dp), intent(in) :: position(:) !! tangential displacements less those of the obstacle (m) [L]
-      real(dp) :: sample(n_extremes, size(position))
-      real(dp) :: frames(3, n_planes), on_planes(n_planes), strains(n_planes), strain(4)
+      real(dp), intent(in) :: stress(:, :) !! stresses of the surface (2 n_dim, m) [F/L^2]
+      real(dp), intent(in) :: position(:) !! tangential displacements less those of the obstacle (n_rows - m) [L]
+      integer, intent(in) :: n_dim !! number of dimensions
+      real(dp) :: sample(n_extremes(n_dim), size(stress, 2))
+      real(dp) :: of_strain(3*n_dim - 3, n_planes(n_dim)), of_stress(3*n_dim - 3, n_planes(n_dim)), normal(3)
+      real(dp) :: way(2, n_ways(n_dim)), slips(n_ways(n_dim)), strain(2*n_dim)
+      real(dp), dimension(n_planes(n_dim)) :: on_planes, strains
+      logical :: is_seen(2*size(normal))
       integer :: k, p
 
-      do k = 1, n_planes
-         associate (angle => plane_angle(k))
-            frames(:, k) = [sin(angle)**2, 2.0_dp*sin(angle)*cos(angle), cos(angle)**2]
+      is_seen = [.true., .true., n_dim == 3, .true., n_dim == 3, n_dim == 3]
+      do k = 1, n_planes(n_dim)
+         normal = plane_normal(k, n_dim)
+         of_strain(:, k) = pack([normal(1)*normal, normal(2:)**2, normal(2)*normal(3)], is_seen)
+         of_stress(:, k) = of_strain(:, k)*pack([1.0_dp, 2.0_dp, 2.0_dp, 1.0_dp, 1.0_dp, 2.0_dp], is_seen)
+      end do
+      do k = 1, n_ways(n_dim)
+         associate (angle => acos(-1.0_dp)/n_ways(n_dim)*(k - 1))
+            way(:, k) = [cos(angle), sin(angle)]
          end associate
       end do
-      do p = 1, size(position)
-         on_planes = matmul(stress(:3, p), frames)
+      do p = 1, size(stress, 2)
+         on_planes = matmul(stress(:3*n_dim - 3, p), of_stress)
          strain = matmul(surface%compliance(:, :, p), stress(:, p))
-         strains = matmul([strain(1), 0.5_dp*strain(2), strain(3)], frames)
-         sample(:, p) = [abs(stress(2, p)), stress(3, p), position(p), -position(p), on_planes, strains, -strains]
+         strains = matmul(strain(:3*n_dim - 3), of_strain)
+         slips = matmul(position(p::size(stress, 2)), way(:n_dim - 1, :))
+         sample(:, p) = [norm2(stress(2:n_dim, p)), tension(stress(:, p)), slips, -slips, on_planes, strains, &
+            -strains]
       end do
    end function sample
 
-   !> The angle between the normal of a plane and the tangent, towards the outward normal: 0, 2, -2, 4, ... degrees
-   !> [rad].
-   pure real(dp) function plane_angle(plane) result(angle)
+   !> The normal of a plane along the outward normal of the surface and its tangents; its angle to the surface, towards
+   !> the outward normal, is 0, 2, -2, 4, ... degrees in the plane, 0, 5, -5, ... in space (3) [-].
+   pure function plane_normal(plane, n_dim) result(normal)
       integer, intent(in) :: plane !! number of the plane
+      integer, intent(in) :: n_dim !! number of dimensions
+      real(dp) :: normal(3), around
 
-      angle = acos(-1.0_dp)/n_planes*(plane/2*merge(1, -1, modulo(plane, 2) == 0))
+      around = acos(-1.0_dp)/n_angles(n_dim)*modulo(plane - 1, n_planes(n_dim)/n_angles(n_dim))
+      associate (angle => plane_angle(plane, n_dim))
+         normal = [sin(angle), cos(angle)*cos(around), cos(angle)*sin(around)]
+      end associate
+   end function plane_normal
+
+   !> The angle between the normal of a plane and the surface, towards the outward normal [rad].
+   pure real(dp) function plane_angle(plane, n_dim) result(angle)
+      integer, intent(in) :: plane !! number of the plane
+      integer, intent(in) :: n_dim !! number of dimensions
+      integer :: k
+
+      k = 1 + (plane - 1)/(n_planes(n_dim)/n_angles(n_dim))
+      angle = acos(-1.0_dp)/n_angles(n_dim)*(k/2*merge(1, -1, modulo(k, 2) == 0))
    end function plane_angle
+
+   !> The stress along the surface, in space the larger principal stress in it [F/L^2].
+   pure real(dp) function tension(stress)
+      real(dp), intent(in) :: stress(:) !! stresses of a point (2 n_dim) [F/L^2]
+
+      tension = stress(3)
+      if (size(stress) == 6) tension = 0.5_dp*(stress(4) + stress(5)) &
+         + hypot(0.5_dp*(stress(4) - stress(5)), stress(6))
+   end function tension
 
    !> The fretting parameters of each point over the cycle so far: stress along the surface at the end of the last step
    !> [F/L^2], Ruiz' first [F/L] and second [F^2/L^3], that of Smith, Watson and Topper [F/L^2] and the angle of its
@@ -344,19 +383,22 @@ contains
    pure function fretting_parameters(self) result(parameters)
       class(fretting_t), intent(in) :: self !! the cycle so far
       real(dp) :: parameters(size(self%extreme, 2), n_parameters)
-      real(dp) :: on_planes(n_planes)
-      integer :: p, plane
+      real(dp) :: on_planes(n_planes(size(self%stress, 1)/2))
+      integer :: p, plane, n, slips, first
 
+      n = size(on_planes)
+      slips = n_ways(size(self%stress, 1)/2)
+      first = 2 + 2*slips
       do p = 1, size(parameters, 1)
          associate (largest => self%extreme(:, p))
-            parameters(p, 1) = self%stress(3, p)
-            parameters(p, 2) = largest(1)*(largest(3) + largest(4))
+            parameters(p, 1) = tension(self%stress(:, p))
+            parameters(p, 2) = largest(1)*maxval(largest(3:2 + slips) + largest(3 + slips:first))
             parameters(p, 3) = max(0.0_dp, largest(2))*parameters(p, 2)
-            on_planes = max(0.0_dp, largest(5:4 + n_planes))*0.5_dp*(largest(5 + n_planes:4 + 2*n_planes) &
-               + largest(5 + 2*n_planes:))
+            on_planes = max(0.0_dp, largest(first + 1:first + n))*0.5_dp*(largest(first + n + 1:first + 2*n) &
+               + largest(first + 2*n + 1:))
             ! The first of equal ones has the smallest angle.
             plane = first_largest(on_planes)
-            parameters(p, 4:5) = [on_planes(plane), plane_angle(plane)]
+            parameters(p, 4:5) = [on_planes(plane), plane_angle(plane, size(self%stress, 1)/2)]
          end associate
       end do
    end function fretting_parameters
@@ -370,8 +412,8 @@ contains
       call new_step_state(stepping%state, model, body)
       allocate (stepping%record%points(merge(body%zone%n_points, 0, size(model%cycle_times) > 0), &
          n_scalars + n_tangentials*body%zone%n_tangents), source=0.0_dp)
-      allocate (stepping%record%fretting%extreme(n_extremes, merge(body%zone%n_points, 0, allocated(model%surface))), &
-         source=0.0_dp)
+      allocate (stepping%record%fretting%extreme(n_extremes(size(body%zone%position, 1)), &
+         merge(body%zone%n_points, 0, allocated(model%surface))), source=0.0_dp)
       stepping%fault = ''
    end subroutine new_time_stepping
 
