@@ -31,6 +31,8 @@ COARSE = 1200   # triangles of an obstacle, likewise
 VEIL = 0.18     # opacity of an obstacle
 NEARLY = 0.99   # of the boundary has a value below the end of the bar,
 PEAK = 4.0      # which is no smaller than the largest one over this
+SHORT = 0.08    # of the size of a picture of a body, an axis without numbers
+TALL = 1.4      # height over width of a body whose sides are beside each other
 MARGIN = 0.16   # of the size of a body, around it for the texts of its axes
 PAPER = (0.9, 0.9, 0.9)  # of contact faces without pressure
 QUANTITIES = {"stress": "contact_pressure", "slip": "status", "gap": "gap"}  # of the maps of panels
@@ -92,6 +94,12 @@ class Part:
         half = size / 2 + MARGIN * size.max() / 2
         middle = ends(view).mean(axis=0)
         return np.array([middle - half, middle + half])
+
+    @property
+    def is_tall(self) -> bool:
+        """Whether its sides are better beside each other."""
+        width, height = np.ptp(self.window(self.views[0]), axis=0)
+        return bool(height > TALL * width)
 
 
 def part_of(case: Case, name: Optional[str] = None, factor: Optional[float] = None) -> Part:
@@ -240,8 +248,11 @@ def draw_axes(axes: Canvas, part: Part, view: View, window: Array) -> None:
         out = np.array([way[1], -way[0]]) / max(np.hypot(*way), 1e-300)
         out *= np.copysign(1.0, out @ ((start + end) / 2 - middle))
         start, end = (place + 0.015 * size * out for place in (start, end))
-        values = [value for value in MaxNLocator(max(1, int(8 * np.hypot(*way) / size)), steps=[1, 2, 5, 10])
+        part_of_size = np.hypot(*way) / size
+        values = [value for value in MaxNLocator(max(1, int(8 * part_of_size)), steps=[1, 2, 5, 10])
                   .tick_values(low[k], high[k]) if low[k] - 1e-9 * size <= value <= high[k] + 1e-9 * size]
+        if part_of_size < SHORT:
+            values = []
         places = [start + (value - low[k]) / (high[k] - low[k]) * way for value in values]
         strokes = np.concatenate([[start, end, [np.nan] * 2],
                                   *([place, place + 0.012 * size * out, [np.nan] * 2] for place in places)])
@@ -564,9 +575,8 @@ def draw_status_labels(axes: Canvas, one: Map) -> None:
             axes.plot([], [], linestyle="none", marker="s", markersize=5, color=to_hex(pale(number)), label=label)
 
 
-def draw_solid(axes: list[Axes], case: Case, name: Optional[str], factor: Optional[float] = None) -> None:
+def draw_solid(axes: list[Axes], part: Part) -> None:
     """The body from both sides, with the bar of its field."""
-    part = part_of(case, name, factor)
     for number, one in enumerate(axes):
         view, window = draw_view(one, part, number)
         show(one, colored(part, view, window, size_of(window, VIEW_PIXELS)), window)

@@ -26,7 +26,7 @@ from amontons.draw_body import FIELD, draw_body, draw_detail
 from amontons.draw_line import (ABSCISSAS, LINE_PANELS, Stretch, abscissa_label, closed_part, closed_zone,
                                 draw_history, has_detail, points_of, stretches)
 from amontons.draw_steps import draw_loop, draw_wear_or_dissipation, draw_zones
-from amontons.draw_solid import NODAL_FIELD, QUANTITIES, draw_map as draw_contact_map, draw_solid, maps_of
+from amontons.draw_solid import NODAL_FIELD, QUANTITIES, draw_map as draw_contact_map, draw_solid, maps_of, part_of
 from amontons.draw_sweep import draw_curves, draw_forces, draw_map, quantity, study_of
 
 FORMATS = ("png", "svg", "pdf")
@@ -91,8 +91,9 @@ def draw_solid_panels(case: Case, panels: Sequence[Any], size: Sequence[float], 
                                   width_ratios=[1.0] if is_alone else [1.0, max(1, len(columns)) * 0.6])[0])
     if "body" in panels:
         part = next(parts)
-        shape = (2, 1) if size[1] > BROAD * size[0] * (1.0 if is_alone else 0.45) else (1, 2)
-        draw_solid(list(part.subplots(*shape, squeeze=False).ravel()), case, field, scale)
+        body = part_of(case, field, scale)
+        shape = (2, 1) if not body.is_tall and size[1] > BROAD * size[0] * (1.0 if is_alone else 0.45) else (1, 2)
+        draw_solid(list(part.subplots(*shape, squeeze=False).ravel()), body)
     if columns or has_history:
         part = next(parts)
         # One set has its maps above each other, several have a row each.
