@@ -309,8 +309,8 @@ contains
                end associate
             end do
          end associate
-         load_case%gap(p) = load_case%gap(p) + load_case%extra_gap(p)
-         if (.not. load_case%is_in_reach(p)) load_case%gap(p) = out_of_reach*size_of_body
+         load_case%gap(p) = merge(load_case%gap(p) + load_case%extra_gap(p), out_of_reach*size_of_body, &
+            load_case%is_in_reach(p))
          ! An overlap by the rounding of coordinates would cause forces between unloaded bodies.
          if (abs(load_case%gap(p)) <= sum_rounding*maxval(abs(corners))) load_case%gap(p) = 0.0_dp
          ! Extent of the bounding box of the body behind the point.
