@@ -406,18 +406,20 @@ class Chart:
         return np.stack([(t * x - s * y) / np.hypot(x, y), h], axis=1)
 
     def labels(self, case: Case) -> tuple[str, str]:
-        """What the axes show."""
-        def name(direction: Array) -> str:
+        """What the axes show; of directions that are none of a coordinate the first is told, behind the abscissa."""
+        names, told = [], ""
+        shown = zip(self.frame, "st") if self.center is None else zip(self.frame[2:], "a")
+        for direction, other in shown:
             k = int(np.argmax(np.abs(direction)))
             if direction[k] > 1.0 - 1e-12:
-                return "xyz"[k]
-            parts = (f"{part:.3g}".replace("-", "\N{MINUS SIGN}") for part in np.round(direction, 9) + 0.0)
-            return f"along ({', '.join(parts)})"
+                names.append("xyz"[k])
+                continue
+            names.append(other)
+            parts = (f"{part:.2g}".replace("-", "\N{MINUS SIGN}") for part in np.round(direction, 9) + 0.0)
+            told = told or f"; {other} along ({', '.join(parts)})"
         if self.center is None:
-            first, second, _ = self.frame
-            return case.label(name(first), "L"), case.label(name(second), "L")
-        axis = name(self.frame[2])
-        return f"angle around {axis} [°]", case.label(axis, "L")
+            return case.label(names[0], "L") + told, case.label(names[1], "L")
+        return f"angle around {names[0]} [°]" + told, case.label(names[0], "L")
 
 
 @dataclass(frozen=True)

@@ -465,7 +465,7 @@ class Solids(ProgramTest):
         points = rng.random((30, 3))
         weights = np.ones(30)
         for direction, labels in (([0, 0, -1], ("x", "y")), ([0, 1, 0], ("x", "z")), ([-1, 0, 0], ("y", "z")),
-                                  ([0.6, 0, 0.8], ("y", "along (0.8, 0, −0.6)"))):
+                                  ([0.6, 0, 0.8], ("y; t along (0.8, 0, −0.6)", "t"))):
             chart = Chart.of(points, np.tile(np.array(direction, float), (30, 1)), weights)
             case = self.Unitless()
             self.assertEqual(chart.labels(case), labels)
