@@ -439,12 +439,8 @@ contains
       character(*), parameter :: sentence = ' of solids is not possible yet'
       integer :: i
 
-      do i = 1, size(config%contacts)
-         if (config%contacts(i)%pairing%is_pair()) call faults%add(0, config%contacts(i)%origin// &
-            'contact between two solids is not possible yet: give one of them a rigid obstacle instead')
-      end do
       do i = 1, size(config%ties)
-         call faults%add(0, config%ties(i)%origin//'a tie'//sentence)
+         if (config%ties(i)%has_jump) call faults%add(0, config%ties(i)%origin//'a preload'//sentence)
       end do
    end subroutine refuse_in_space
 

@@ -11,7 +11,8 @@ module amontons_dense
 
    public :: add_product, allocate_matrix, cholesky_factor, cholesky_factor_regularized, &
       cholesky_factor_tiled, cholesky_inverse, cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, &
-      squares, symmetric_eigenvectors, symmetric_multiply, transposed_product, triangular_solve, vector_product
+      small_inverse, squares, symmetric_eigenvectors, symmetric_multiply, transposed_product, triangular_solve, &
+      vector_product
 
    !> Solves L L^T x = b in place, for one right-hand side or for the columns of a matrix.
    interface cholesky_solve
@@ -31,6 +32,19 @@ contains
 
       product = cshift(a, 1)*cshift(b, 2) - cshift(a, 2)*cshift(b, 1)
    end function vector_product
+
+   !> The inverse of a matrix of one or two rows, not singular.
+   pure function small_inverse(matrix) result(inverse)
+      real(dp), intent(in) :: matrix(:, :) !! the matrix
+      real(dp) :: inverse(size(matrix, 1), size(matrix, 1))
+
+      if (size(matrix, 1) == 1) then
+         inverse = 1.0_dp/matrix
+      else
+         inverse = reshape([matrix(2, 2), -matrix(2, 1), -matrix(1, 2), matrix(1, 1)], [2, 2]) &
+            /(matrix(1, 1)*matrix(2, 2) - matrix(1, 2)*matrix(2, 1))
+      end if
+   end function small_inverse
 
    !> Allocates a large matrix, with undefined entries.
    pure subroutine allocate_matrix(matrix, n_rows, n_columns, owner, error)

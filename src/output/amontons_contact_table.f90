@@ -133,7 +133,9 @@ contains
                is_master = .false.
                do i = 1, master%n_sides
                   ! Nodes that no row has are counted as node 0.
-                  is_master(merge(master%side(:3, i), 0, master%side(:3, i) <= ubound(is_master, 1))) = .true.
+                  associate (nodes => master%side(:size(master%side, 1) - 1, i))
+                     is_master(merge(nodes, 0, nodes <= ubound(is_master, 1))) = .true.
+                  end associate
                end do
             end if
             is_wanted(zone%rows%start(p):zone%rows%start(p + 1) - 1) = is_master(nodes) .eqv. of_master
@@ -163,7 +165,7 @@ contains
    !=   obstacle the mean of the point's nodes
    !=contact.csv `pair` | | with a pair: `SLAVE/MASTER`, the two sets, with a semicolon for each comma; with a rigid
    !=   obstacle the set
-   !=contact.csv `z`, `normal_z`, `area` | L, –, L² | of a solid, the last for `weight`: tributary area
+   !=contact.csv `z`, `normal_z`, `area`, `master_z` | L, –, L², L | of a solid; `area` for `weight`: tributary area
    !=contact.csv `slip_x`, `slip_y`, `slip_z` | L | of a solid: the slip as a vector; `slip` is its length
    !=contact.csv `force_x`, `force_y`, `force_z` | F | of a solid: force of the obstacle on the body;
    !=   `tangential_force` and `contact_shear` are magnitudes
@@ -232,6 +234,7 @@ contains
             /zone%area, 0.0_dp, .true.)
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
+         if (has_pairs(zone) .and. in_space) call add('master_z', '', 'L', zone%foot(3, :), maxval(abs(zone%position)))
          ! Works and integrals of a load history have rounding errors of forces, which are known to about 1e-10 of the
          ! largest one, where numbers agree to 1e-8 of their scale.
          associate (pressure => maxval(abs(force(:m)/zone%area)))

@@ -484,7 +484,7 @@ contains
             end associate
             vtk%scale = maxval([0.0_dp, abs(force)])
             call vtk%put_spread('PointData', 'force', 'F', joined(-zone%global_vectors(force), &
-               0.0_dp*u(:, line%node)), in_space)
+               line%forces(zone, force, body%mesh%n_nodes)), in_space)
          else if (line%n_nodes > 0) then
             vtk%scale = maxval(abs(u))
             call vtk%put_spread('PointData', 'jump', 'L', &
@@ -512,7 +512,8 @@ contains
       end associate
    end subroutine show_contact_line
 
-   !> Finds the contact faces of a solid. Their nodes that are no contact points follow the points.
+   !> Finds the contact faces of a solid, those of the masters of pairs among them. Their nodes that are no contact
+   !> points follow the points.
    pure subroutine new_contact_faces(cells, offsets, types, line, body, contacts)
       integer, allocatable, intent(out) :: cells(:) !! the nodes of each face, by their numbers in the grid
       integer, allocatable, intent(out) :: offsets(:) !! where they end (faces)
@@ -522,36 +523,39 @@ contains
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(patch_t) :: patch
       type(error_t), allocatable :: error
-      integer :: place(body%mesh%n_nodes), set, i, k, p
+      integer :: place(body%mesh%n_nodes), set, i, k, p, role
 
       allocate (cells(0), offsets(0), types(0), line%node(0), line%set(0), line%segment(2, 0), line%normal(3, 0))
       associate (rows => body%zone%rows)
          do set = 1, size(contacts)
-            ! not raised: the contact zone has been made of these sets
-            call new_patch(patch, body%mesh, contacts(set)%set, error)
-            place = 0
             ! The point of this set, or else that of an earlier one which it continues.
+            place = 0
             do k = 1, 2
                do p = 1, body%zone%n_points
                   if (body%zone%set(p) == set .eqv. k == 2) place(rows%node(rows%start(p))) = p
                end do
             end do
-            do i = 1, patch%n_nodes
-               associate (node => patch%node(i))
-                  if (place(node) > 0) cycle
-                  line%n_nodes = line%n_nodes + 1
-                  place(node) = body%zone%n_points + line%n_nodes
-                  line%node = [line%node, node]
-                  line%set = [line%set, set]
-                  line%normal = reshape([line%normal, patch%normal(:, i)], [3, line%n_nodes])
-               end associate
-            end do
-            do i = 1, size(patch%faces)
-               associate (face => patch%faces(i))
-                  cells = [cells, place(face%node(:face%n_nodes))]
-                  offsets = [offsets, size(cells)]
-                  types = [types, vtk_face_type(face%n_nodes)]
-               end associate
+            do role = 1, merge(2, 1, contacts(set)%pairing%is_pair())
+               ! not raised: the contact zone has been made of these sets
+               if (role == 1) call new_patch(patch, body%mesh, contacts(set)%set, error)
+               if (role == 2) call new_patch(patch, body%mesh, contacts(set)%pairing%against, error)
+               do i = 1, patch%n_nodes
+                  associate (node => patch%node(i))
+                     if (place(node) > 0) cycle
+                     line%n_nodes = line%n_nodes + 1
+                     place(node) = body%zone%n_points + line%n_nodes
+                     line%node = [line%node, node]
+                     line%set = [line%set, set]
+                     line%normal = reshape([line%normal, patch%normal(:, i)], [3, line%n_nodes])
+                  end associate
+               end do
+               do i = 1, size(patch%faces)
+                  associate (face => patch%faces(i))
+                     cells = [cells, place(face%node(:face%n_nodes))]
+                     offsets = [offsets, size(cells)]
+                     types = [types, vtk_face_type(face%n_nodes)]
+                  end associate
+               end do
             end do
          end do
       end associate

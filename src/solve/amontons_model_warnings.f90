@@ -358,13 +358,16 @@ contains
    !> normals at both ends, over 8. Curved sides have none [L].
    pure real(dp) function largest_bulge(surface) result(bulge)
       type(surface_t), intent(in) :: surface !! the surface
-      integer :: i
+      integer :: i, k
 
       bulge = 0.0_dp
       do i = 1, surface%n_sides
-         if (surface%side(3, i) > 0) cycle
-         bulge = max(bulge, norm2(surface%corner(:, 2, i) - surface%corner(:, 1, i)) &
-            *norm2(surface%normal(:, 2, i) - surface%normal(:, 1, i))/8.0_dp)
+         associate (n => surface%n_corners(i), corner => surface%corner(:, :, i), normal => surface%normal(:, :, i))
+            if (surface%n_nodes(i) > n) cycle
+            do k = 2, n
+               bulge = max(bulge, norm2(corner(:, k) - corner(:, k - 1))*norm2(normal(:, k) - normal(:, k - 1))/8.0_dp)
+            end do
+         end associate
       end do
    end function largest_bulge
 

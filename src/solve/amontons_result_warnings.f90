@@ -226,7 +226,8 @@ contains
 
       if (.not. any(zone%pairs%is_set())) return
       at_points = zone%rows%displacement(displacement)
-      associate (slip => abs(at_points(zone%n_points + 1:2*zone%n_points)))
+      ! A slip around the axis changes no faces.
+      associate (slip => tangential_norm(at_points(zone%n_points + 1:size(zone%position)), zone%n_points))
          do set = 1, size(zone%pairs)
             if (.not. any(zone%set == set .and. status /= open_point) .or. .not. zone%pairs(set)%is_set()) cycle
             p = maxloc(slip, dim=1, mask=zone%set == set .and. status /= open_point)
@@ -262,7 +263,8 @@ contains
             ! By how much a corner of a slave slides along the nearest corner of its master [L].
             if (zone%pairs(zone%set(p))%is_set()) then
                associate (zone => body%zone, pair => body%zone%pairs(body%zone%set(p)))
-                  associate (corners => reshape(pair%master%side(:2, :), [2*pair%master%n_sides]))
+                  associate (corners => pack(pair%master%side(:size(pair%master%side, 1) - 1, :), &
+                     pair%master%side(:size(pair%master%side, 1) - 1, :) > 0))
                      nearest = corners(minloc(norm2(body%mesh%coordinates(:, corners) &
                         - spread(zone%position(:, p), 2, size(corners)), dim=1), dim=1))
                   end associate

@@ -21,19 +21,19 @@
 module amontons_mortar_pair
    use amontons_boundary, only: new_patch, patch_t
    use amontons_constraints, only: constraints_t
-   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
    use amontons_contact_set, only: pairing_t
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: place_side
-   use amontons_frame, only: new_frame, new_frames
+   use amontons_face_pair, only: covered_faces, find_face_segments, integrate_faces, last_of_side, new_face_surface
+   use amontons_frame, only: new_frame
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
    use amontons_mesh, only: mesh_t, outer_sides, side_element, side_place
    use amontons_obstacle, only: cross_product
-   use amontons_rounding, only: exceeds, first_largest, input_rounding
-   use amontons_surface, only: find_segments, meet_side, meshed_body_t, mortar_segment_t, new_surface, &
-      surface_place_t, surface_t
+   use amontons_rounding, only: angle_rounding, exceeds, first_largest, input_rounding
+   use amontons_surface, only: find_segments, gauss_rule, gauss_rule_t, meet_side, meshed_body_t, mortar_points_t, &
+      mortar_segment_t, new_surface, surface_place_t, surface_t
    use amontons_taken, only: taken_t
    use amontons_text, only: place_text, short_text
    implicit none (type, external)
@@ -48,12 +48,6 @@ module amontons_mortar_pair
    !> irrational: no mesh with decimal coordinates has such an end, and rounding would decide there [-].
    real(dp), parameter :: least_cover = sqrt(0.078_dp)
 
-   !> A quadrature rule on the interval from -1 to 1.
-   type :: gauss_rule_t
-      real(dp), allocatable :: xi(:) !! abscissas [-]
-      real(dp), allocatable :: weight(:) !! weights [-]
-   end type gauss_rule_t
-
    !> A part of a slave side that faces one master side, and the multiplier functions of up to two points there, which
    !> are combinations of the linear shape functions of the side's corners.
    type :: mortar_piece_t
@@ -64,16 +58,6 @@ module amontons_mortar_pair
       real(dp) :: hat(2, 2) = 1.0_dp
          !! hats that make up the weight of gaps and friction (point, corner) [-]
    end type mortar_piece_t
-
-   !> Integrals of the points of a pair.
-   type :: mortar_points_t
-      real(dp), allocatable :: area(:) !! D_p (n) [L^2]
-      real(dp), allocatable :: length(:) !! tributary length: the integral of the averaging function (n) [L]
-      real(dp), allocatable :: center(:, :) !! mean position on the slave, where the force acts (2, n) [L]
-      real(dp), allocatable :: foot(:, :) !! mean position on the master (2, n) [L]
-      type(contact_rows_t) :: rows !! shares of the nodes in w
-      type(contact_quadrature_t) :: quadrature !! the quadrature points, with their gaps
-   end type mortar_points_t
 
    !> Nodes that a piece adds to the row of a point: those of both sides.
    integer, parameter :: n_piece_nodes = 6
@@ -94,6 +78,9 @@ module amontons_mortar_pair
       real(dp) :: search = 0.0_dp !! largest magnitude of a gap [L]
       integer, allocatable :: node(:) !! the slave's corners that are points, in the order of the line (n)
       type(line_t) :: line !! how the points follow each other
+      real(dp), allocatable :: part(:, :)
+         !! means of the hats of the corners of each side over what faces the master, times the share of the side that
+         !! does; they sum to this share (corners, sides) [-]
       integer, allocatable :: partner(:)
          !! the node of the master at the same place that a bonded point is joined to alone, 0 for none (n)
       real(dp), allocatable :: covered_share(:)
@@ -113,8 +100,9 @@ module amontons_mortar_pair
       integer, allocatable :: joined_node(:) !! corners that are no points since they are nodes of the master, too
       integer, allocatable :: open_node(:) !! corners of sides that face nothing
       real(dp), allocatable :: idle_side(:, :)
-         !! middles of sides that transmit nothing, since earlier sets have both ends, but not the side (2, sides) [L]
-      integer, allocatable :: point_of(:, :) !! the point that each corner of each side is, 0 for none (2, sides)
+         !! middles of sides that transmit nothing, since earlier sets have all ends, but not the side (n_dim, sides)
+         !! [L]
+      integer, allocatable :: point_of(:, :) !! the point that each corner of each side is, 0 for none (corners, sides)
       type(mortar_segment_t), allocatable :: cells(:)
          !! parts of the slave's sides in cells of constant multipliers, and in the place of the master the point that
          !! the cell is, 0 for none; not allocated where the points are corners
@@ -130,33 +118,6 @@ module amontons_mortar_pair
    end type mortar_pair_t
 
 contains
-
-   !> Abscissas and weights of Gauss's rule on the interval from -1 to 1: zeros of the Legendre polynomial by Newton's
-   !> method.
-   pure type(gauss_rule_t) function gauss_rule(n) result(rule)
-      integer, intent(in) :: n !! number of points
-      real(dp), parameter :: pi = acos(-1.0_dp)
-      integer, parameter :: n_steps = 10
-      real(dp) :: p(0:n), slope
-      integer :: i, k, step
-
-      allocate (rule%xi(n), rule%weight(n))
-      do i = 1, n
-         associate (xi => rule%xi(i))
-            xi = cos(pi*(i - 0.25_dp)/(n + 0.5_dp))
-            do step = 1, n_steps
-               p(0) = 1.0_dp
-               p(1) = xi
-               do k = 2, n
-                  p(k) = ((2*k - 1)*xi*p(k - 1) - (k - 1)*p(k - 2))/k
-               end do
-               slope = n*(xi*p(n) - p(n - 1))/(xi**2 - 1.0_dp)
-               xi = xi - p(n)/slope
-            end do
-            rule%weight(i) = 2.0_dp/((1.0_dp - xi**2)*slope**2)
-         end associate
-      end do
-   end function gauss_rule
 
    !> The linear shape functions of the two corners of a side (hat functions) [-].
    pure function hats(xi)
@@ -179,11 +140,7 @@ contains
       allocate (pieces(size(segments)))
       first = 1
       do while (first <= size(segments))
-         last = first
-         do while (last < size(segments))
-            if (segments(last + 1)%slave /= segments(first)%slave) exit
-            last = last + 1
-         end do
+         last = last_of_side(segments, first)
          side = segments(first)%slave
          lead = pair%lead_side(side)
          piece = mortar_piece_t(segments(first), pair%point_of(:, lead))
@@ -292,12 +249,75 @@ contains
       type(mortar_points_t), intent(out) :: points !! the points
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), intent(in) :: segments(:) !! its segments, or another cut of the same surfaces
+      integer, intent(in) :: n_points !! number of points of the quadrature in the plane
+      real(dp), dimension(size(pair%frame, 3)) :: hat_area, shear_area
+      logical :: has_partner(size(pair%frame, 3))
+      integer :: axis, i, n, p
+
+      n = size(pair%frame, 3)
+      has_partner = .false.
+      if (.not. allocated(pair%cells)) has_partner = pair%partner > 0
+      allocate (points%area(n), points%length(n), points%center(size(pair%slave%corner, 1), n), source=0.0_dp)
+      points%foot = points%center
+      if (size(points%center, 1) == 2) then
+         call integrate_sides(points, hat_area, shear_area, has_partner, pair, segments, n_points)
+      else
+         call integrate_faces(points, pair%slave, pair%master, segments, pair%point_of, n_points /= n_quadrature_points)
+         points%quadrature%normal = pair%frame(:, 1, :)
+         hat_area = points%area
+         shear_area = points%area
+      end if
+      do p = 1, n
+         if (has_partner(p)) then
+            associate (first => points%rows%start(p), corner => findloc(pair%slave%side(:2, :), pair%node(p)))
+               points%center(:, p) = pair%slave%corner(:, corner(1), corner(2))
+               points%rows%node(first:first + 1) = [pair%node(p), pair%partner(p)]
+               do axis = 1, size(pair%frame, 1)
+                  points%rows%block(axis, axis, first:first + 1) = [1.0_dp, -1.0_dp]
+               end do
+            end associate
+            cycle
+         end if
+         points%center(:, p) = points%center(:, p)/points%area(p)
+         points%foot(:, p) = points%foot(:, p)/hat_area(p)
+         associate (first => points%quadrature%start(p), last => points%quadrature%start(p + 1) - 1)
+            points%quadrature%share(first:last) = points%quadrature%share(first:last)/hat_area(p)
+         end associate
+         associate (first => points%rows%start(p), last => points%rows%start(p + 1) - 1)
+            do axis = 1, size(pair%frame, 1)
+               points%rows%block(axis, axis, first:last) = points%rows%block(axis, axis, first:last) &
+                  /merge(shear_area(p), points%area(p), axis == 2)
+            end do
+         end associate
+      end do
+      call points%rows%merge_nodes()
+      do p = 1, n
+         do i = points%rows%start(p), points%rows%start(p + 1) - 1
+            points%rows%block(:, :, i) = matmul(pair%frame(:, :, p), points%rows%block(:, :, i))
+         end do
+         if (size(points%center, 1) == 2) cycle
+         ! In space the node of a point is its first one.
+         associate (first => points%rows%start(p), last => points%rows%start(p + 1) - 1)
+            i = first - 1 + findloc(points%rows%node(first:last), pair%node(p), dim=1)
+            points%rows%node([first, i]) = points%rows%node([i, first])
+            points%rows%block(:, :, [first, i]) = points%rows%block(:, :, [i, first])
+         end associate
+      end do
+   end subroutine integrate_pair
+
+   !> Integrates them in the plane, not yet over the areas.
+   pure subroutine integrate_sides(points, hat_area, shear_area, has_partner, pair, segments, n_points)
+      type(mortar_points_t), intent(inout) :: points !! the points
+      real(dp), intent(out) :: hat_area(:) !! integrals of the averaging functions (n) [L^2]
+      real(dp), intent(out) :: shear_area(:) !! integrals of the tangential functions (n) [L^2]
+      logical, intent(in) :: has_partner(:) !! whether the points are joined to a node of the master alone (n)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      type(mortar_segment_t), intent(in) :: segments(:) !! its segments
       integer, intent(in) :: n_points !! number of points of the quadrature
       type(mortar_piece_t), allocatable :: pieces(:)
       type(gauss_rule_t) :: rule
-      real(dp), dimension(size(pair%frame, 3)) :: hat_area, shear_area
-      integer, dimension(size(pair%frame, 3)) :: n_pieces, n_partners, filled
-      integer :: i, k, p, first_node, l, n, q, axis
+      integer, dimension(size(hat_area)) :: n_pieces, filled
+      integer :: i, k, p, first_node, l, q, axis
       type(surface_place_t) :: place, foot
       real(dp) :: at, area, psi(2), hat, normal(2), begin(maxval(pair%patch%node)), &
          shares(n_piece_nodes, size(pair%frame, 1))
@@ -307,16 +327,12 @@ contains
       else
          call corner_pieces(pieces, pair, segments, n_points)
       end if
-      n = size(pair%frame, 3)
       n_pieces = 0
       do k = 1, 2*size(pieces)
          p = pieces((k + 1)/2)%point(2 - modulo(k, 2))
          if (p > 0) n_pieces(p) = n_pieces(p) + 1
       end do
-      n_partners = 0
-      if (.not. allocated(pair%cells)) n_partners = merge(2, 0, pair%partner > 0)
-      allocate (points%area(n), points%length(n), points%center(2, n), points%foot(2, n), source=0.0_dp)
-      call points%rows%begin(n_piece_nodes*n_pieces + n_partners, size(pair%frame, 1))
+      call points%rows%begin(n_piece_nodes*n_pieces + merge(2, 0, has_partner), size(pair%frame, 1))
       call points%quadrature%begin(n_points*n_pieces, size(normal))
       rule = gauss_rule(n_points)
       begin(pair%patch%node) = pair%patch%line%arc_length
@@ -369,36 +385,7 @@ contains
             filled(p) = filled(p) + 1
          end do
       end do
-      do p = 1, n
-         if (n_partners(p) > 0) then
-            associate (first => points%rows%start(p), corner => findloc(pair%slave%side(:2, :), pair%node(p)))
-               points%center(:, p) = pair%slave%corner(:, corner(1), corner(2))
-               points%rows%node(first:first + 1) = [pair%node(p), pair%partner(p)]
-               do axis = 1, size(shares, 2)
-                  points%rows%block(axis, axis, first:first + 1) = [1.0_dp, -1.0_dp]
-               end do
-            end associate
-            cycle
-         end if
-         points%center(:, p) = points%center(:, p)/points%area(p)
-         points%foot(:, p) = points%foot(:, p)/hat_area(p)
-         associate (first => points%quadrature%start(p), last => points%quadrature%start(p + 1) - 1)
-            points%quadrature%share(first:last) = points%quadrature%share(first:last)/hat_area(p)
-         end associate
-         associate (first => points%rows%start(p), last => points%rows%start(p + 1) - 1)
-            do axis = 1, size(shares, 2)
-               points%rows%block(axis, axis, first:last) = points%rows%block(axis, axis, first:last) &
-                  /merge(shear_area(p), points%area(p), axis == 2)
-            end do
-         end associate
-      end do
-      call points%rows%merge_nodes()
-      do p = 1, n
-         do i = points%rows%start(p), points%rows%start(p + 1) - 1
-            points%rows%block(:, :, i) = matmul(pair%frame(:, :, p), points%rows%block(:, :, i))
-         end do
-      end do
-   end subroutine integrate_pair
+   end subroutine integrate_sides
 
    !> Selects from two local coordinates the one that lies on the side, from -1 to 1.
    pure real(dp) function place_on(xi)
@@ -425,7 +412,6 @@ contains
          !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
          !! that cross before they meet the master
       type(patch_t) :: facing
-      real(dp), allocatable :: share(:)
       logical :: is_master(body%mesh%n_nodes)
       integer :: i
 
@@ -442,17 +428,29 @@ contains
       if (allocated(error)) return
       is_master = .false.
       is_master(facing%node) = .true.
-      ! At an end of the slave bodies may be joined, as at a crack's tip.
+      ! At an end of the slave bodies may be joined, as at a crack's tip; in space along edges of faces.
       associate (patch => pair%patch)
-         i = findloc(is_master(patch%node) .and. patch%line%next > 0 .and. patch%line%before() > 0, .true., dim=1)
+         if (allocated(patch%line)) then
+            i = findloc(is_master(patch%node) .and. patch%line%next > 0 .and. patch%line%before() > 0, .true., dim=1)
+            if (i > 0) i = patch%node(i)
+         else
+            i = findloc([(all(is_master(pack(patch%faces(i)%node, patch%faces(i)%node > 0))), &
+               i=1, size(patch%faces))], .true., dim=1)
+            if (i > 0) i = patch%faces(i)%node(1)
+         end if
          if (i > 0) then
             call new_error(error, input_refused, "'"//pair%set//"' and '"//pair%against//"' share nodes, as at "// &
-               place_text(body%mesh%coordinates(:, patch%node(i)))//': these bodies are joined there')
+               place_text(body%mesh%coordinates(:, i))//': these bodies are joined there')
             return
          end if
       end associate
-      call new_surface(pair%slave, body, pair%patch, facing)
-      call new_surface(pair%master, body, facing, pair%patch)
+      if (allocated(facing%line)) then
+         call new_surface(pair%slave, body, pair%patch, facing)
+         call new_surface(pair%master, body, facing, pair%patch)
+      else
+         call new_face_surface(pair%slave, body, pair%patch, facing)
+         call new_face_surface(pair%master, body, facing, pair%patch)
+      end if
       if (pair%slave%corner_node > 0) then
          call new_error(error, input_refused, "the set '"//set//"' has a corner of more than 40 degrees at "// &
             place_text(body%mesh%coordinates(:, pair%slave%corner_node))//': make a set of each side of it')
@@ -460,15 +458,23 @@ contains
       end if
       pair%search = pairing%search
       if (.not. pairing%search > 0.0_dp) pair%search = 2.0_dp*max(pair%slave%longest, pair%master%longest)
-      call find_segments(pair%segments, pair%slave, pair%master, pair%search)
+      if (allocated(facing%line)) then
+         call find_segments(pair%segments, pair%slave, pair%master, pair%search)
+         pair%part = covered_parts(pair)
+      else
+         call find_face_segments(pair%segments, pair%slave, pair%master, pair%search, .false.)
+         pair%part = covered_faces(pair%slave, pair%master, pair%segments)
+      end if
       ! Sides that face next to nothing are left out.
-      share = sum(covered_parts(pair), dim=1)
-      pair%segments = pack(pair%segments, share(pair%segments%slave) >= input_rounding)
+      do i = 1, pair%slave%n_sides
+         if (.not. sum(pair%part(:, i)) >= input_rounding) pair%part(:, i) = 0.0_dp
+      end do
+      pair%segments = pack(pair%segments, sum(pair%part(:, pair%segments%slave), dim=1) > 0.0_dp)
       if (size(pair%segments) == 0) then
          call explain_distance(pair, error)
          return
       end if
-      call check_rays(pair, error)
+      if (allocated(facing%line)) call check_rays(pair, error)
       if (allocated(error)) return
       call number_points(pair, body%constraints, taken, is_master, pairing%is_tied)
    end subroutine new_mortar_pair
@@ -505,21 +511,22 @@ contains
    pure subroutine explain_distance(pair, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, without segments
       type(error_t), allocatable, intent(out) :: error !! the reason
-      real(dp) :: distance(3*pair%master%n_sides), least
-      integer :: i, j, at(2)
+      real(dp) :: distance(size(pair%master%corner(1, :, :))), least
+      integer :: i, j, n, at(2)
 
       least = huge(least)
       at = 1
+      n = size(pair%slave%corner, 2)
       do i = 1, pair%slave%n_sides
-         do j = 1, 3
-            distance = norm2(reshape(pair%master%corner, [2, size(distance)]) &
+         do j = 1, n
+            distance = norm2(reshape(pair%master%corner, [size(pair%master%corner, 1), size(distance)]) &
                - spread(pair%slave%corner(:, j, i), 2, size(distance)), dim=1)
-            if (minval(distance) < least) at = [i, (minloc(distance, dim=1) + 2)/3]
+            if (minval(distance) < least) at = [i, (minloc(distance, dim=1) + n - 1)/n]
             least = min(least, minval(distance))
          end do
       end do
-      associate (set => pair%set, against => pair%against)
-         if (dot_product(pair%slave%normal(:, 3, at(1)), pair%master%normal(:, 3, at(2))) > 0.0_dp) then
+      associate (set => pair%set, against => pair%against, middle => size(pair%slave%normal, 2))
+         if (dot_product(pair%slave%normal(:, middle, at(1)), pair%master%normal(:, middle, at(2))) > 0.0_dp) then
             call new_error(error, input_refused, "the normals of '"//set//"' point away from '"//against// &
                "', or those of '"//against//"' away from '"//set//"': both sets face the same way")
          else
@@ -538,30 +545,29 @@ contains
       type(taken_t), intent(in) :: taken !! what earlier sets have
       logical, intent(in) :: is_master(:) !! the nodes of the master (nodes)
       logical, intent(in) :: is_tied !! whether the surfaces are bonded: a point may then move along its tangent alone
-      real(dp) :: normal(2, size(is_master))
+      real(dp) :: normal(size(pair%slave%corner, 1), size(is_master))
       logical :: is_open(size(is_master)), faces(size(is_master)), is_idle(pair%slave%n_sides)
       integer, allocatable :: facing(:)
-      integer :: i, k, point(size(is_master))
-      real(dp) :: part(2, pair%slave%n_sides), share(pair%slave%n_sides)
+      integer :: i, k, n_dim, point(size(is_master))
+      real(dp) :: share(pair%slave%n_sides)
 
-      part = covered_parts(pair)
-      share = sum(part, dim=1)
-      call continue_sides(pair, part, share, constraints)
+      n_dim = size(normal, 1)
+      share = sum(pair%part, dim=1)
+      call continue_sides(pair, pair%part, share, constraints)
       is_open(pair%patch%node) = .true.
       faces = .false.
       do i = 1, size(share)
-         associate (nodes => pair%slave%side(:3, i))
-            normal(:, nodes(:2)) = pair%slave%normal(:, :2, i)
-            if (share(i) > 0.0_dp) is_open(nodes(:2)) = .false.
-            if (nodes(3) > 0) is_open(nodes(3)) = .false.
-            if (pair%lead_side(i) == i) where (part(:, i) > 0.5_dp*least_cover*share(i)) faces(nodes(:2)) = .true.
+         associate (n => pair%slave%n_corners(i), nodes => pair%slave%side(:pair%slave%n_nodes(i), i))
+            normal(:, nodes(:n)) = pair%slave%normal(:, :n, i)
+            if (share(i) > 0.0_dp) is_open(nodes(:n)) = .false.
+            is_open(nodes(n + 1:)) = .false.
+            if (pair%lead_side(i) == i) where (pair%part(:n, i) > least_cover/n*share(i)) faces(nodes(:n)) = .true.
          end associate
       end do
       pair%open_node = pack(pair%patch%node, is_open(pair%patch%node))
-      ! A single point would be a hinge; but another set may need the corner beyond the end.
-      do i = 1, merge(size(share), 0, count(faces(pair%patch%node)) == 1 .and. &
-         .not. taken%is_slave_again)
-         if (share(i) > 0.0_dp) faces(pair%slave%side(:2, i)) = .true.
+      ! A single point would be a hinge, as two are in space; but another set may need the corner beyond the end.
+      do i = 1, merge(size(share), 0, count(faces(pair%patch%node)) < n_dim .and. .not. taken%is_slave_again)
+         if (share(i) > 0.0_dp) faces(pair%slave%side(:pair%slave%n_corners(i), i)) = .true.
       end do
       allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%node(0))
       facing = pack(pair%patch%node, faces(pair%patch%node))
@@ -571,7 +577,7 @@ contains
                pair%shared_node = [pair%shared_node, node]
             else if (is_master(node)) then
                pair%joined_node = [pair%joined_node, node]
-            else if (.not. merge(any(constraints%is_free(:2, node)), &
+            else if (.not. merge(any(constraints%is_free(:n_dim, node)), &
                constraints%leaves_free(node, normal(:, node)), is_tied)) then
                pair%held_node = [pair%held_node, node]
             else
@@ -579,32 +585,32 @@ contains
             end if
          end associate
       end do
-      pair%frame = new_frames(normal(:, pair%node), size(constraints%is_free, 1))
+      pair%frame = constraints%contact_frames(pair%node, normal(:, pair%node))
       pair%is_fixed = constraints%fixed_tangents(pair%node, pair%frame)
       point = 0
       point(pair%node) = [(i, i=1, size(pair%node))]
-      allocate (pair%point_of(2, pair%slave%n_sides))
+      allocate (pair%point_of(size(pair%part, 1), pair%slave%n_sides), source=0)
       allocate (pair%line%next(size(pair%node)), pair%partner(size(pair%node)), source=0)
       allocate (pair%covered_share(size(pair%node)), source=0.0_dp)
       pair%gives_shear = pair%is_fixed(1, :) .and. is_tied
       do i = 1, pair%slave%n_sides
-         associate (nodes => pair%slave%side(:3, i), first => point(pair%slave%side(1, i)))
-            pair%point_of(:, i) = point(nodes(:2))
+         associate (n => pair%slave%n_corners(i), nodes => pair%slave%side(:, i), first => point(pair%slave%side(1, i)))
+            pair%point_of(:n, i) = point(nodes(:n))
             if (first > 0) then
                pair%line%next(first) = pair%point_of(2, i)
                pair%covered_share(first) = share(i) + sum(max(0.0_dp, pair%reach(:, i)))
             end if
             is_idle(i) = share(i) > 0.0_dp .and. all(pair%point_of(:, i) == 0) .and. &
-               .not. any([(any(pair%held_node == nodes(k)), k=1, 2)]) .and. &
+               .not. any([(any(pair%held_node == nodes(k)), k=1, n)]) .and. &
                .not. taken%face(pair%patch%faces(i)%number)
          end associate
       end do
-      pair%idle_side = pair%slave%corner(:, 3, pack([(i, i=1, size(is_idle))], is_idle))
+      pair%idle_side = pair%slave%corner(:, size(pair%slave%corner, 2), pack([(i, i=1, size(is_idle))], is_idle))
    end subroutine number_points
 
-   !> Finds the sides that the master covers in part, from a corner on. The functions of the side before this corner go
-   !> on over them if it is covered as a whole, or from this corner on and the other one by a share below the least, and
-   !> no support holds or guides its corners: these have tangential functions of their own.
+   !> Finds the sides in the plane that the master covers in part, from a corner on. The functions of the side before
+   !> this corner go on over them if it is covered as a whole, or from this corner on and the other one by a share below
+   !> the least, and no support holds or guides its corners: these have tangential functions of their own.
    pure subroutine continue_sides(pair, part, share, constraints)
       type(mortar_pair_t), intent(inout) :: pair !! the pair
       real(dp), intent(in) :: part(:, :) !! covered parts of the hats of both corners of each side (2, sides) [-]
@@ -619,7 +625,7 @@ contains
       pair%lead_side = [(i, i=1, size(share))]
       allocate (pair%reach(2, size(share)), source=0.0_dp)
       length = norm2(pair%slave%corner(:, 2, :) - pair%slave%corner(:, 1, :), dim=1)
-      do i = 1, size(share)
+      do i = 1, merge(size(share), 0, size(pair%slave%corner, 1) == 2)
          if (share(i) >= whole .or. .not. share(i) > 0.0_dp) cycle
          do k = 1, 2
             ! The mean of a corner's hat over a part that begins at the other corner is half its share.
@@ -659,21 +665,29 @@ contains
       type(taken_t), intent(inout) :: taken !! what contact sets and ties have
       type(mortar_pair_t), intent(in) :: pair !! the pair
       real(dp) :: share(pair%slave%n_sides)
-      integer :: i
+      integer :: i, k
 
-      share = sum(covered_parts(pair), dim=1)
+      share = sum(pair%part, dim=1)
       do i = 1, pair%slave%n_sides
          if (.not. share(i) > 0.0_dp) cycle
-         associate (face => pair%patch%faces(i))
-            ! The corner beyond the master's end has no function.
-            call taken%add(face, face%node(merge(1, 3, pair%lead_side(i) == i):), .not. exceeds(1.0_dp, share(i)))
+         associate (face => pair%patch%faces(i), n => pair%slave%n_corners(i))
+            ! The corner beyond the master's end has no function; in space those that are no points, nor middle nodes
+            ! between two of them.
+            if (size(pair%slave%corner, 1) == 2) then
+               call taken%add(face, face%node(merge(1, 3, pair%lead_side(i) == i):), .not. exceeds(1.0_dp, share(i)))
+            else
+               call taken%add(face, [(merge(face%node(k), 0, pair%point_of(k, i) > 0), k=1, n), &
+                  (merge(face%node(k), 0, any(pair%point_of([k - n, 1 + modulo(k - n, n)], i) > 0)), &
+                  k=n + 1, face%n_nodes)], .not. exceeds(1.0_dp, share(i)))
+            end if
          end associate
       end do
    end subroutine take_facing_sides
 
-   !> Refuses a side of the slave that has no multiplier at either end and faces a part of the master that may move
+   !> Refuses a side of the slave that has no multiplier at any corner and faces a part of the master that may move
    !> along the normal or, where shear may act, along the tangent: no force would be transmitted there. A side of which
-   !> earlier sets have both ends is left to them, unless that leaves no point.
+   !> earlier sets have all corners is left to them, unless that leaves no point. In space a corner that supports guide
+   !> must face one of the master that they guide as well, on the same plane of symmetry.
    pure subroutine check_ends(pair, remedy, needs_shear, constraints, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, its points corners
       character(*), intent(in) :: remedy !! advice for the message if supports hold the slave
@@ -682,44 +696,70 @@ contains
       type(error_t), allocatable, intent(out) :: error !! there is such a side
       ! Between the normal and the tangent of the surface.
       real(dp), parameter :: aslant = 0.707_dp
-      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
-      logical :: is_held(2, 2), lacks(2, 2)
-      integer :: i, k, p
+      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1)), &
+         place(size(pair%slave%corner, 1), size(pair%node))
+      logical, dimension(size(pair%point_of, 1), 2) :: is_held, lacks
+      logical :: is_mirrored(size(pair%node))
+      integer :: i, k, m, p
 
+      m = size(place, 1)
+      is_mirrored = m == 2 .or. .not. (needs_shear .and. any(pair%is_fixed, dim=1))
       do i = 1, size(pair%segments)
-         associate (points => pair%point_of(:, pair%segments(i)%slave), &
-            nodes => pair%slave%side(:2, pair%segments(i)%slave), &
-            facing => pair%master%side(:2, pair%segments(i)%master))
-            frame = new_frame(pair%slave%normal(:, 3, pair%segments(i)%slave), size(frame, 1))
-            do k = 1, 2
-               p = points(k)
-               is_held(k, :) = any(pair%held_node == nodes(k))
+         associate (side => pair%segments(i)%slave, slave => pair%slave, other => pair%segments(i)%master, &
+            c => pair%slave%n_corners(pair%segments(i)%slave), middle => size(pair%slave%normal, 2))
+            frame = new_frame(slave%normal(:, middle, side), size(frame, 1))
+            do k = 1, c
+               p = pair%point_of(k, side)
+               is_held(k, :) = any(pair%held_node == slave%side(k, side))
                lacks(k, :) = p == 0
                if (p == 0) cycle
                is_held(k, 2) = pair%is_fixed(1, p)
                lacks(k, 2) = pair%is_fixed(1, p)
                frame = pair%frame(:, :, p)
+               place(:, p) = slave%corner(:, k, side)
+               if (.not. is_mirrored(p)) is_mirrored(p) = faces_guided(p, other)
             end do
-            do k = 1, merge(2, 1, needs_shear)
-               if (.not. (all(lacks(:, k)) .and. any(is_held(:, k)))) cycle
-               if (.not. (constraints%leaves_free(facing(1), frame(:2, k)) .or. &
-                  constraints%leaves_free(facing(2), frame(:2, k)))) cycle
+            do k = 1, merge(2, 1, needs_shear .and. m == 2)
+               if (.not. (all(lacks(:c, k)) .and. any(is_held(:c, k)))) cycle
+               if (.not. any([(constraints%leaves_free(pair%master%side(p, other), frame(:m, k)), &
+                  p=1, pair%master%n_corners(other))])) cycle
                call new_error(error, input_refused, held_slave_text(pair, &
-                  pair%slave%corner(:, 3, pair%segments(i)%slave), merge('force', 'shear', &
-                  abs(dot_product(frame(:2, k), pair%slave%normal(:, 3, pair%segments(i)%slave))) > aslant), remedy))
+                  slave%corner(:, size(slave%corner, 2), side), merge('force', 'shear', &
+                  abs(dot_product(frame(:m, k), slave%normal(:, middle, side))) > aslant), remedy))
                return
             end do
          end associate
       end do
+      p = findloc(is_mirrored, .false., dim=1)
+      if (p > 0) call new_error(error, input_refused, held_slave_text(pair, place(:, p), 'shear', remedy))
       if (size(pair%node) == 0) call new_error(error, input_refused, "no node of '"//pair%set//"' that faces '"// &
          pair%against//"' is left: supports hold them, or they belong to ties, preloads or earlier sets; refine '"// &
          pair%set//"', or "//remedy)
+
+   contains
+
+      !> Whether a side of the master has a corner that supports guide as a point, in its plane of symmetry.
+      pure logical function faces_guided(point, other)
+         integer, intent(in) :: point !! the point
+         integer, intent(in) :: other !! number of the side
+         integer :: j, t
+
+         faces_guided = .false.
+         do j = 1, pair%master%n_corners(other)
+            associate (way => pair%master%corner(:, j, other) - place(:, point), tangents => pair%frame(:, 2:, point))
+               faces_guided = faces_guided .or. all([(.not. pair%is_fixed(t, point) .or. &
+                  (abs(dot_product(way, tangents(:m, t))) <= angle_rounding*pair%master%longest .and. &
+                  .not. constraints%leaves_free(pair%master%side(j, other), tangents(:m, t))), t=1, m - 1)])
+            end associate
+         end do
+      end function faces_guided
+
    end subroutine check_ends
 
    !> The message that supports hold a part of a slave, so that contact forces do no work there.
    pure function held_slave_text(pair, position, what, remedy) result(text)
       type(mortar_pair_t), intent(in) :: pair !! the pair
-      real(dp), intent(in) :: position(2) !! position of the part [L]
+      real(dp), intent(in) :: position(:) !! position of the part (n_dim) [L]
       character(*), intent(in) :: what !! noun for what cannot act: force or shear
       character(*), intent(in) :: remedy !! advice for the message
       character(:), allocatable :: text
@@ -750,6 +790,7 @@ contains
                "interference, or gap = 'touching'")
             return
          end if
+         if (size(position) == 3) return
          thickness = wall_thickness(mesh, position, -points%quadrature%normal(:, q), depth)
          if (thickness < depth) call new_error(error, input_refused, overlap//'through a wall of '// &
             short_text(thickness)//': move the bodies to their own sides of it, or give a smaller search')

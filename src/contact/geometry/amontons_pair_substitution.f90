@@ -10,6 +10,7 @@ module amontons_pair_substitution
    use amontons_constraints, only: constraints_t, substitution_t
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_set, only: contact_t, pairing_t, tie_t
+   use amontons_dense, only: small_inverse
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_frame, only: new_frame
    use amontons_kinds, only: dp
@@ -78,7 +79,7 @@ contains
          call solve_row(sums(means%node(i)), rows, i, means, no_ends, .false., constraints)
          if (size(coordinates, 1) == 2) cycle
          associate (middle => means%node(i), ends => rows%node(rows%start(i) + 1:rows%start(i + 1) - 1))
-            if (any([(holds_more(middle, ends(k)), k=1, size(ends))])) fault = middle
+            if (any([(holds_more(constraints, middle, ends(k)), k=1, size(ends))])) fault = middle
          end associate
       end do
       do i = 1, size(constraints%rigid)
@@ -118,20 +119,18 @@ contains
             substitution%block(:, :, first:last) = sums(i)%block
          end associate
       end do
-
-   contains
-
-      !> Whether supports hold a middle node in a direction in which a corner beside it is free.
-      pure logical function holds_more(middle, corner)
-         integer, intent(in) :: middle !! the middle node
-         integer, intent(in) :: corner !! the corner
-
-         associate (free => constraints%free_projector(corner))
-            holds_more = any(abs(matmul(constraints%free_projector(middle), free) - free) > input_rounding)
-         end associate
-      end function holds_more
-
    end subroutine new_pair_substitution
+
+   !> Whether supports hold a middle node in a direction in which a corner beside it is free.
+   pure logical function holds_more(constraints, middle, corner)
+      type(constraints_t), intent(in) :: constraints !! the supports
+      integer, intent(in) :: middle !! the middle node
+      integer, intent(in) :: corner !! the corner
+
+      associate (free => constraints%free_projector(corner))
+         holds_more = any(abs(matmul(constraints%free_projector(middle), free) - free) > input_rounding)
+      end associate
+   end function holds_more
 
    !> Adds the sums of the middle nodes beside points (own unknown plus the mean of the corners), and then those of the
    !> corners.
@@ -142,32 +141,33 @@ contains
       type(constraints_t), intent(in) :: constraints !! the supports
       integer, intent(inout) :: fault !! a middle node that is held otherwise than the corners beside it, 0 for none
       real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: half
-      integer :: side, k, i
+      integer :: side, k, i, beside(2)
       type(mortar_points_t) :: points
       integer, allocatable :: ends(:, :)
 
       if (fault > 0) return
       allocate (ends(2, size(sums)), source=0)
       do side = 1, pair%slave%n_sides
-         associate (nodes => pair%slave%side(:3, side))
-            if (nodes(3) == 0 .or. all(pair%point_of(:, side) == 0)) cycle
-            ends(:, nodes(3)) = nodes(:2)
-            half = 0.5_dp*constraints%free_projector(nodes(3))
-            do k = 1, 2
-               if (pair%point_of(k, side) == 0) cycle
-               if (maxval(abs(constraints%free_projector(nodes(k)) - 2.0_dp*half)) > 1.0e-6_dp .and. &
-                  .not. all(constraints%is_free(:, nodes(3)))) fault = nodes(3)
+         associate (n => pair%slave%n_corners(side))
+            do i = n + 1, pair%slave%n_nodes(side)
+               beside = 1 + modulo([i - n - 1, i - n], n)
+               associate (middle => pair%slave%side(i, side), corner => pair%slave%side(beside, side))
+                  if (all(pair%point_of(beside, side) == 0)) cycle
+                  ends(:, middle) = corner
+                  half = 0.5_dp*constraints%free_projector(middle)
+                  if (any([(pair%point_of(beside(k), side) > 0 .and. holds_more(constraints, middle, corner(k)), &
+                     k=1, 2)])) fault = middle
+                  if (allocated(sums(middle)%node)) cycle
+                  call sums(middle)%add(middle, diagonal(spread(1.0_dp, 1, size(half, 1))), .true.)
+                  call sums(middle)%add(corner(1), half, .false.)
+                  call sums(middle)%add(corner(2), half, .false.)
+               end associate
             end do
-            associate (middle => sums(nodes(3)))
-               if (allocated(middle%node)) cycle
-               call middle%add(nodes(3), diagonal(spread(1.0_dp, 1, size(half, 1))), .true.)
-               call middle%add(nodes(1), half, .false.)
-               call middle%add(nodes(2), half, .false.)
-            end associate
          end associate
       end do
       if (fault > 0) return
       call integrate_pair(points, pair, pair%segments, n_quadrature_points)
+      if (size(pair%slave%corner, 1) == 3) ends(:, pair%node) = -1
       do i = 1, size(pair%node)
          if (constraints%rigid_of(pair%node(i)) > 0) cycle
          call solve_row(sums(pair%node(i)), points%rows, i, pair, ends, is_tied, constraints)
@@ -181,12 +181,15 @@ contains
       type(contact_rows_t), intent(in) :: rows !! the rows of the points
       integer, intent(in) :: p !! number of the point
       type(mortar_pair_t), intent(in) :: pair !! the pair
-      integer, intent(in) :: ends(:, :) !! the corners beside each middle node beside points, 0 for others (2, n_nodes)
+      integer, intent(in) :: ends(:, :)
+         !! the corners beside each middle node beside points, 0 for others, -1 for points in space, of which a row
+         !! contains its own alone (2, n_nodes)
       logical, intent(in) :: is_tied !! whether w = 0
       type(constraints_t), intent(in) :: constraints !! the supports
       type(sum_t) :: row
       real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: along, free, share, push
       real(dp) :: own(size(constraints%is_free, 1))
+      integer, allocatable :: axes(:), columns(:)
       integer :: i, k, n
 
       n = size(own)
@@ -214,9 +217,17 @@ contains
             normal => pair%frame(:2, 1, p))
             along(:2, :2) = spread(axis, 2, 2)*spread(normal, 1, 2)/dot_product(axis, normal)
          end associate
+      else if (allocated(pair%is_fixed) .and. .not. (is_tied .or. all(constraints%is_free(:, pair%node(p))))) then
+         associate (own_axes => constraints%frame(:, :, pair%node(p)), frame => pair%frame(:, :, p))
+            axes = pack([(k, k=1, n)], constraints%is_free(:, pair%node(p)))
+            columns = pack([(k, k=1, n)], [.true., .not. pair%is_fixed(:, p)])
+            along = matmul(own_axes(:, axes), matmul(small_inverse(matmul(transpose(frame(:, columns)), &
+               own_axes(:, axes))), transpose(frame(:, columns))))
+         end associate
       end if
       do i = 1, size(row%node)
          if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= sum_rounding) cycle
+         if (ends(1, row%node(i)) < 0 .and. .not. row%is_own(i)) cycle
          call corner%add(row%node(i), times_axes(along, pair%frame(:, :, p), -[(row%block(k, k, i), k=1, n)]/own), &
             row%is_own(i))
       end do
@@ -361,9 +372,9 @@ contains
       end do
    end subroutine new_tied_pairs
 
-   !> Joins the corner at the end of a tie to that of the master at the same place, where both bodies have contact sets
-   !> of nodal multipliers on a wall: its contact point is then that of the body in one piece. Its neighbor on the side
-   !> has the multiplier of the side.
+   !> Joins in the plane the corner at the end of a tie to that of the master at the same place, where both bodies have
+   !> contact sets of nodal multipliers on a wall: its contact point is then that of the body in one piece. Its neighbor
+   !> on the side has the multiplier of the side.
    subroutine join_corners(ties, partner, area, contacts, body)
       type(mortar_pair_t), intent(inout) :: ties(:) !! the ties, with their points; gain the partners
       integer, allocatable, intent(out) :: partner(:)
@@ -380,6 +391,8 @@ contains
       integer :: i, k, place
 
       allocate (area(body%mesh%n_nodes), source=0.0_dp)
+      partner = [(i, i=1, size(area))]
+      if (size(body%mesh%coordinates, 1) == 3) return
       normal = 0.0_dp
       do i = 1, merge(size(contacts), 0, size(ties) > 0)
          if (contacts(i)%pairing%is_pair() .or. contacts(i)%partition%is_constant) cycle
@@ -389,7 +402,6 @@ contains
          area(patch%node) = area(patch%node) + patch%area
          normal(:, patch%node) = patch%normal
       end do
-      partner = [(i, i=1, size(area))]
       do i = 1, size(ties)
          associate (tie => ties(i))
             facing = [tie%master%side(:2, :)]
@@ -437,15 +449,15 @@ contains
          "' along its normal, or guide them aslant")
    end subroutine find_jump
 
-   !> Turns the axes of bonded points that supports guide, and those of their neighbors, to the guide and the direction
-   !> across it, in place of normal and tangent.
+   !> Turns the axes of bonded points in the plane that supports guide, and those of their neighbors, to the guide and
+   !> the direction across it, in place of normal and tangent.
    pure subroutine follow_guides(pair, constraints)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points
       type(constraints_t), intent(in) :: constraints !! the supports
       integer :: p, i, k
 
       do p = 1, size(pair%node)
-         if (.not. pair%is_fixed(1, p)) cycle
+         if (.not. pair%is_fixed(1, p) .or. size(pair%slave%corner, 1) == 3) cycle
          associate (node => pair%node(p))
             pair%frame(:, :, p) = new_frame(constraints%frame(:2, merge(1, 2, constraints%is_free(1, node)), node), &
                size(pair%frame, 1))

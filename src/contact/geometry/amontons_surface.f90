@@ -13,6 +13,7 @@
 module amontons_surface
    use amontons_boundary, only: patch_t
    use amontons_constraints, only: constraints_t
+   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
    use amontons_element, only: side_shapes
    use amontons_face, only: place_side
    use amontons_kinds, only: dp
@@ -23,8 +24,22 @@ module amontons_surface
    implicit none (type, external)
    private
 
-   public :: find_segments, join_sides, meet_master, meet_side, meeting_t, meshed_body_t, mortar_segment_t, &
-      new_surface, sides_near, surface_place_t, surface_t
+   public :: find_segments, gauss_rule, gauss_rule_t, is_on_mirror, join_sides, meet_master, meet_side, meeting_t, &
+      meshed_body_t, mortar_points_t, mortar_segment_t, most_aslant, new_surface, sharp, sides_near, surface_place_t, &
+      surface_t
+
+   !> Cosine of the smallest angle between two sides at a corner: 40 degrees.
+   real(dp), parameter :: sharp = 0.766_dp
+
+   !> A direction at less than 59.9 degrees to the normal is held by a support, not by symmetry; that of a guide at 60
+   !> degrees has the rounding error of its cosine.
+   real(dp), parameter :: most_aslant = 0.501_dp
+
+   !> A quadrature rule on the interval from -1 to 1.
+   type :: gauss_rule_t
+      real(dp), allocatable :: xi(:) !! abscissas [-]
+      real(dp), allocatable :: weight(:) !! weights [-]
+   end type gauss_rule_t
 
    !> A mesh with its materials and supports.
    type :: meshed_body_t
@@ -34,23 +49,30 @@ module amontons_surface
       type(constraints_t) :: constraints !! the supports
    end type meshed_body_t
 
-   !> The sides of a boundary set, in the order of its line.
+   !> The sides of a boundary set, in the plane in the order of its line.
    type :: surface_t
       integer :: n_sides = 0 !! number of sides
       integer, allocatable :: side(:, :)
-         !! first corner, second corner, middle or 0, element of each side; body on the left (4, n_sides)
+         !! first corner, second corner, middle or 0, element of each side, body on the left (4, n_sides); in space the
+         !! nodes of the face, as of `mesh_side`, and the element (max_face_nodes + 1, n_sides)
       real(dp), allocatable :: corner(:, :, :)
          !! coordinates of first corner, second corner, middle of each side; the middle of a straight one is that of its
-         !! chord (2, 3, n_sides) [L]
-      real(dp), allocatable :: normal(:, :, :) !! unit outward normals there (2, 3, n_sides) [-]
+         !! chord (2, 3, n_sides); in space of the nodes, the first for those that a face has not, at last of the middle
+         !! of its corners (3, max_face_nodes + 1, n_sides) [L]
+      real(dp), allocatable :: normal(:, :, :)
+         !! unit outward normals there (2, 3, n_sides); in space at the corners, at last of the face's mean plane
+         !! (3, 5, n_sides) [-]
       real(dp), allocatable :: box(:, :, :)
-         !! least and largest coordinates of each `n_boxed` sides that follow each other (2, 2, any) [L]
+         !! least and largest coordinates of each `n_boxed` sides that follow each other (n_dim, 2, any) [L]
       type(material_t), allocatable :: material(:) !! the material behind each side, for the depth (n_sides)
       integer, allocatable :: mirrored_node(:) !! ends that lie on a plane of symmetry, where shear vanishes
       real(dp) :: longest = 0.0_dp !! longest chord of a side [L]
       integer :: corner_node = 0 !! a node where sides meet at so sharp an angle that it has no mean normal; 0 for none
    contains
+      procedure :: n_corners => surface_n_corners
+      procedure :: n_nodes => surface_n_nodes
       procedure :: place => surface_place
+      procedure :: set_boxes => surface_set_boxes
    end type surface_t
 
    !> Number of consecutive sides with a common bounding box.
@@ -71,8 +93,21 @@ module amontons_surface
    type :: mortar_segment_t
       integer :: slave = 0 !! number of the side of the slave
       integer :: master = 0 !! number of the side of the master that it faces
-      real(dp) :: range(2) = 0.0_dp !! local coordinates of its ends on the slave's side, from -1 to 1 [-]
+      real(dp) :: range(2) = 0.0_dp
+         !! local coordinates of its ends on the slave's side, from -1 to 1; of no meaning in space [-]
    end type mortar_segment_t
+
+   !> Integrals of the points of a pair.
+   type :: mortar_points_t
+      real(dp), allocatable :: area(:) !! D_p (n) [L^2]
+      real(dp), allocatable :: length(:)
+         !! tributary length, in space area: the integral of the averaging function (n) [L], [L^2]
+      real(dp), allocatable :: center(:, :) !! mean position on the slave, where the force acts (n_dim, n) [L]
+      real(dp), allocatable :: foot(:, :) !! mean position on the master (n_dim, n) [L]
+      type(contact_rows_t) :: rows !! shares of the nodes in w
+      type(contact_quadrature_t) :: quadrature
+         !! the quadrature points, with their gaps; in space one, with the means, for each point
+   end type mortar_points_t
 
    !> The intersection of a ray with a side of the master.
    type :: meeting_t
@@ -83,15 +118,39 @@ module amontons_surface
 
 contains
 
+   !> Abscissas and weights of Gauss's rule on the interval from -1 to 1: zeros of the Legendre polynomial by Newton's
+   !> method.
+   pure type(gauss_rule_t) function gauss_rule(n) result(rule)
+      integer, intent(in) :: n !! number of points
+      real(dp), parameter :: pi = acos(-1.0_dp)
+      integer, parameter :: n_steps = 10
+      real(dp) :: p(0:n), slope
+      integer :: i, k, step
+
+      allocate (rule%xi(n), rule%weight(n))
+      do i = 1, n
+         associate (xi => rule%xi(i))
+            xi = cos(pi*(i - 0.25_dp)/(n + 0.5_dp))
+            do step = 1, n_steps
+               p(0) = 1.0_dp
+               p(1) = xi
+               do k = 2, n
+                  p(k) = ((2*k - 1)*xi*p(k - 1) - (k - 1)*p(k - 2))/k
+               end do
+               slope = n*(xi*p(n) - p(n - 1))/(xi**2 - 1.0_dp)
+               xi = xi - p(n)/slope
+            end do
+            rule%weight(i) = 2.0_dp/((1.0_dp - xi**2)*slope**2)
+         end associate
+      end do
+   end function gauss_rule
+
    !> Makes the surface of a boundary set.
    pure subroutine new_surface(surface, body, patch, facing)
       type(surface_t), intent(out) :: surface !! the surface
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(patch_t), intent(in) :: patch !! the patch of the set
       type(patch_t), intent(in) :: facing !! that of the other body's set
-      ! A direction at less than 59.9 degrees to the normal is held by a support, not by symmetry; that of a guide at 60
-      ! degrees has the rounding error of its cosine.
-      real(dp), parameter :: most = 0.501_dp
       logical :: is_free(2), is_on_axis(body%mesh%n_nodes), is_corner(2, body%mesh%n_nodes)
       real(dp) :: held(2)
       integer :: i, k
@@ -115,7 +174,7 @@ contains
                else
                   cycle
                end if
-               if (abs(dot_product(held, normal)) > most) cycle
+               if (abs(dot_product(held, normal)) > most_aslant) cycle
                normal = normal - dot_product(held, normal)*held
                normal = normal/norm2(normal)
                surface%mirrored_node = [surface%mirrored_node, node]
@@ -132,8 +191,6 @@ contains
          !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
       real(dp) :: mean(2)
       integer :: i, side_from(body%mesh%n_nodes), next
-      ! Cosine of the smallest angle between two sides at a corner: 40 degrees.
-      real(dp), parameter :: sharp = 0.766_dp
 
       surface%side = sides
       surface%n_sides = size(sides, 2)
@@ -145,13 +202,7 @@ contains
             surface%longest = max(surface%longest, norm2(corner(:, 2) - corner(:, 1)))
          end associate
       end do
-      allocate (surface%box(2, 2, (surface%n_sides + n_boxed - 1)/n_boxed))
-      do i = 1, size(surface%box, 3)
-         associate (corner => surface%corner(:, :, n_boxed*(i - 1) + 1:min(n_boxed*i, surface%n_sides)))
-            surface%box(:, 1, i) = minval(minval(corner, dim=3), dim=2)
-            surface%box(:, 2, i) = maxval(maxval(corner, dim=3), dim=2)
-         end associate
-      end do
+      call surface%set_boxes()
       ! Nodes between two sides have the mean of their normals, unless these differ too much.
       side_from = 0
       side_from(surface%side(1, :)) = [(i, i=1, surface%n_sides)]
@@ -168,12 +219,44 @@ contains
       end do
    end subroutine join_sides
 
+   !> Sets the bounding boxes of the sides.
+   pure subroutine surface_set_boxes(self)
+      class(surface_t), intent(inout) :: self !! the surface
+      integer :: i
+
+      allocate (self%box(size(self%corner, 1), 2, (self%n_sides + n_boxed - 1)/n_boxed))
+      do i = 1, size(self%box, 3)
+         associate (corner => self%corner(:, :, n_boxed*(i - 1) + 1:min(n_boxed*i, self%n_sides)))
+            self%box(:, 1, i) = minval(minval(corner, dim=3), dim=2)
+            self%box(:, 2, i) = maxval(maxval(corner, dim=3), dim=2)
+         end associate
+      end do
+   end subroutine surface_set_boxes
+
+   !> Number of nodes of a side.
+   pure integer function surface_n_nodes(self, side) result(n)
+      class(surface_t), intent(in) :: self !! the surface
+      integer, intent(in) :: side !! number of the side
+
+      n = count(self%side(:size(self%side, 1) - 1, side) > 0)
+   end function surface_n_nodes
+
+   !> Number of corners of a side.
+   pure integer function surface_n_corners(self, side) result(n)
+      class(surface_t), intent(in) :: self !! the surface
+      integer, intent(in) :: side !! number of the side
+
+      n = self%n_nodes(side)
+      if (n > 4) n = n/2
+      if (size(self%corner, 1) == 2) n = 2
+   end function surface_n_corners
+
    !> Whether a node that is held along a direction lies on a plane of symmetry: one of its neighbors and a node of the
    !> other body lie there and are held along the same direction.
    pure logical function is_on_mirror(body, node, held, facing)
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(in) :: node !! the node
-      real(dp), intent(in) :: held(2) !! the direction, a unit vector [-]
+      real(dp), intent(in) :: held(:) !! the direction, a unit vector (n_dim) [-]
       integer, intent(in) :: facing(:) !! the nodes of the other body's set
       integer :: element, i
 
@@ -262,9 +345,10 @@ contains
       integer, allocatable :: near(:)
       ! A curved side may bulge out of the box of its nodes by an eighth of its length at the most.
       real(dp), parameter :: bulge = 0.125_dp
-      real(dp) :: low(2), high(2), reach
+      real(dp), dimension(size(slave%corner, 1)) :: low, high
+      real(dp) :: reach
       logical :: is_near(n_boxed)
-      integer :: i, box, before, n
+      integer :: i, k, box, before, n
 
       reach = search + bulge*(slave%longest + master%longest)
       low = minval(slave%corner(:, :, side), dim=2) - reach
@@ -275,9 +359,12 @@ contains
          before = n_boxed*(box - 1)
          n = min(n_boxed, master%n_sides - before)
          do i = 1, n
-            associate (x => master%corner(1, :, before + i), y => master%corner(2, :, before + i))
-               is_near(i) = any(x >= low(1)) .and. any(x <= high(1)) .and. any(y >= low(2)) .and. any(y <= high(2))
-            end associate
+            is_near(i) = .true.
+            do k = 1, size(low)
+               associate (x => master%corner(k, :, before + i))
+                  is_near(i) = is_near(i) .and. any(x >= low(k)) .and. any(x <= high(k))
+               end associate
+            end do
          end do
          near = [near, pack([(before + i, i=1, n)], is_near(:n))]
       end do

@@ -559,6 +559,7 @@ contains
       do i = 1, size(pairs)
          if (.not. pairs(i)%is_set()) cycle
          associate (pair => pairs(i), jump => merge(i, 0, pairs(i)%is_jump_free))
+            ! In space one corner of each face stands for all.
             associate (slave => pair%slave%side(:2, pair%segments%slave), &
                master => pair%master%side(:2, pair%segments%master))
                bonds = reshape([bonds, ([slave(1, k), master(1, k), jump, slave(2, k), master(1, k), jump, &

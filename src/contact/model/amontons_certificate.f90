@@ -409,7 +409,7 @@ contains
       real(dp), intent(in) :: contact(:, :) !! nodal contact forces (components, n_nodes) [F]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
       real(dp), allocatable :: on_nodes(:, :)
-      real(dp) :: of_pairs(size(force)), moment
+      real(dp) :: of_pairs(size(force)), moment, reach(body%zone%n_points)
       logical :: is_paired(body%zone%n_points)
       integer :: p
 
@@ -427,8 +427,9 @@ contains
          /maxval(body%mesh%coordinates(1, :))
       certificate%pair_force = relative(norm2(sum(on_nodes, dim=2)), sum(abs(on_nodes)))
       if (body%is_axisymmetric) return
-      call check_moment(moment, certificate, body, body%checked_rows, body%zone%set, 0.25_dp*body%zone%weight, &
-         of_pairs, on_nodes)
+      reach = 0.25_dp*body%zone%weight
+      if (body%zone%n_tangents == 2) reach = 0.25_dp*sqrt(body%zone%weight)
+      call check_moment(moment, certificate, body, body%checked_rows, body%zone%set, reach, of_pairs, on_nodes)
       certificate%pair_moment = moment
    end subroutine check_pairs
 
@@ -470,31 +471,57 @@ contains
       real(dp), intent(in) :: on_nodes(:, :)
          !! these forces on the nodes, made from the rows of the solution (components, n_nodes) [F]
       type(contact_rows_t) :: lever
-      real(dp) :: jump(size(force)), magnitude(size(set)), place(2, size(set)), middle(2)
-      integer :: i, n
+      real(dp) :: jump(size(force)), magnitude(size(set)), place(size(body%mesh%coordinates, 1), size(set)), &
+         middle(size(place, 1)), total(size(place, 1))
+      integer :: i, k, n
 
       n = size(set)
-      magnitude = hypot(force(:n), force(n + 1:))
+      magnitude = hypot(force(:n), tangential_norm(force(n + 1:), n))
       associate (x => body%mesh%coordinates)
-         lever = rows
-         do i = 1, size(rows%node)
-            lever%block(:, 1, i) = -turned(rows%block(:, 2, i))
-            lever%block(:, 2, i) = turned(rows%block(:, 1, i))
-         end do
-         jump = lever%displacement(x)
-         jump(:n) = jump(:n)*force(n + 1:) - jump(n + 1:)*force(:n)
-         violation = relative(abs(sum(x(1, :)*on_nodes(2, :) - x(2, :)*on_nodes(1, :)) + sum(jump(:n))), &
-            sum(abs(on_nodes))*0.5_dp*maxval(maxval(x, dim=2) - minval(x, dim=2)))
-         place = reshape([(x(:, rows%node(rows%start(i))), i=1, n)], [2, n])
+         place = reshape([(x(:, rows%node(rows%start(i))), i=1, n)], shape(place))
+         if (size(place, 1) == 3) then
+            total = moment_of(x, on_nodes)
+            do i = minval(set), maxval(set)
+               associate (of_set => moment_of(x, rows%forces(merge(force, 0.0_dp, [(set == i, k=1, 3)]), size(x, 2))))
+                  certificate%couple(i) = certificate%couple(i) + norm2(of_set)
+                  total = total - of_set
+               end associate
+            end do
+            violation = norm2(total)
+            jump = 0.0_dp
+         else
+            lever = rows
+            do i = 1, size(rows%node)
+               lever%block(:, 1, i) = -turned(rows%block(:, 2, i))
+               lever%block(:, 2, i) = turned(rows%block(:, 1, i))
+            end do
+            jump = lever%displacement(x)
+            jump(:n) = jump(:n)*force(n + 1:) - jump(n + 1:)*force(:n)
+            violation = abs(sum(x(1, :)*on_nodes(2, :) - x(2, :)*on_nodes(1, :)) + sum(jump(:n)))
+         end if
+         violation = relative(violation, sum(abs(on_nodes))*0.5_dp*maxval(maxval(x, dim=2) - minval(x, dim=2)))
       end associate
       do i = minval(set), maxval(set)
          certificate%couple(i) = certificate%couple(i) + sum(jump(:n), mask=set == i)
          middle = matmul(place, merge(magnitude, 0.0_dp, set == i))/max(tiny(1.0_dp), sum(magnitude, mask=set == i))
          ! A single point that is closed transmits a moment, too.
-         certificate%couple_scale(i) = certificate%couple_scale(i) + sum(magnitude*max(reach, hypot(place(1, :) &
-            - middle(1), place(2, :) - middle(2))), mask=set == i)
+         certificate%couple_scale(i) = certificate%couple_scale(i) + sum(magnitude*max(reach, norm2(place &
+            - spread(middle, 2, n), dim=1)), mask=set == i)
       end do
    end subroutine check_moment
+
+   !> The moment of nodal forces in space about the origin [F L].
+   pure function moment_of(coordinates, forces) result(moment)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (3, n_nodes) [L]
+      real(dp), intent(in) :: forces(:, :) !! their forces (3, n_nodes) [F]
+      real(dp) :: moment(3)
+      integer :: node
+
+      moment = 0.0_dp
+      do node = 1, size(forces, 2)
+         moment = moment + vector_product(coordinates(:, node), forces(:, node))
+      end do
+   end function moment_of
 
    !> Checks that all forces on the body balance. In a body of revolution only those along the axis need to, and the
    !> moments about it if it is twisted.

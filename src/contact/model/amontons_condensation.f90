@@ -31,8 +31,8 @@ module amontons_condensation
    use amontons_contact_operator, only: band_stiffness_t, contact_operator_t, new_band_operator, new_band_stiffness, &
       new_stiffness_operator
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve, squares, &
-      triangular_solve
+   use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_inverse, cholesky_solve, small_inverse, &
+      squares, triangular_solve
    use amontons_error, only: error_t, new_error, numerical_failure
    use amontons_kinds, only: dp
    use amontons_new_cholesky, only: new_cholesky
@@ -256,26 +256,13 @@ contains
                axes = pack([(k, k=1, size(map, 1))], unknown > 0)
                own = pack([(k, k=1, size(map, 1))], [.true., .not. zone%is_fixed(:, p)])
                map = 0.0_dp
-               map(own, own) = inverse(matmul(transpose(zone%frame(:, own, p)), frame(:, axes)))
+               map(own, own) = small_inverse(matmul(transpose(zone%frame(:, own, p)), frame(:, axes)))
                own = unpack(unknown(axes), [.true., .not. zone%is_fixed(:, p)], 0)
                unknown = own
             end associate
          end do
       end if
    end subroutine map_unknowns
-
-   !> The inverse of a matrix of one or two rows, not singular.
-   pure function inverse(matrix)
-      real(dp), intent(in) :: matrix(:, :) !! the matrix
-      real(dp) :: inverse(size(matrix, 1), size(matrix, 1))
-
-      if (size(matrix, 1) == 1) then
-         inverse = 1.0_dp/matrix
-      else
-         inverse = reshape([matrix(2, 2), -matrix(2, 1), -matrix(1, 2), matrix(1, 1)], [2, 2]) &
-            /(matrix(1, 1)*matrix(2, 2) - matrix(1, 2)*matrix(2, 1))
-      end if
-   end function inverse
 
    !> Makes the condensed stiffness S on (u_N; u_T), unless it is a band. The tangential row of a point whose slip a
    !> support prevents becomes that of a spring of its own that nothing loads: its slip and shear are zero.

@@ -15,6 +15,7 @@ module amontons_contact_zone
    use amontons_contact_set, only: contact_t
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, set_faces
+   use amontons_face_pair, only: find_face_segments
    use amontons_frame, only: new_frames
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
@@ -156,8 +157,8 @@ contains
       end do
    end subroutine add_set
 
-   !> Finds the corners of slaves that supports guide, or hold around the axis, but at which friction acts since the
-   !> master may slip; and lists the slips that supports fix.
+   !> Finds the corners of slaves in the plane that supports guide, or hold around the axis, but at which friction acts
+   !> since the master may slip; and lists the slips that supports fix.
    !>
    !> The part of the slave's displacement that a support prescribes is known, so that the tangential row of the point
    !> acts on unknowns of the master. It must be independent of the rows of the other points, which it is not if
@@ -174,7 +175,7 @@ contains
       integer :: i, j, k, n, p, place, tangent
 
       n = 1 + zone%n_tangents
-      do tangent = 1, zone%n_tangents
+      do tangent = 1, merge(zone%n_tangents, 0, allocated(zone%line))
          points = pack([(p, p=1, zone%n_points)], is_guided_alone(zone, constraints, tangent))
          own = substitution%element_nodes(zone%rows%node(picked_places(zone%rows%start, points)))
          row = spread(spread(0.0_dp, 1, n), 2, size(own))
@@ -621,7 +622,7 @@ contains
       end associate
    end function mean_gap
 
-   !> Cuts the slave's sides a second time, by bisection between rays.
+   !> Cuts the slave's sides a second time, by bisection between rays, in space from those of the master.
    pure function segments_again(pair) result(segments)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), allocatable :: segments(:)
@@ -637,6 +638,11 @@ contains
       logical :: faces(pair%slave%n_sides)
       integer :: side, part, n
 
+      if (size(pair%slave%corner, 1) == 3) then
+         call find_face_segments(segments, pair%slave, pair%master, pair%search, .true.)
+         segments = pack(segments, sum(pair%part(:, segments%slave), dim=1) > 0.0_dp)
+         return
+      end if
       faces = .false.
       faces(pair%segments%slave) = .true.
       allocate (segments(0))

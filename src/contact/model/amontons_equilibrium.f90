@@ -1,13 +1,14 @@
 !> What displacements and contact forces leave unbalanced in the whole body, and the displacements of all nodes from
 !> those of the contact points. Rigid motions cause no elastic forces: they are recovered apart from the rest.
+! allow(S271): gfortran 12 fails if the modules are in order
 module amontons_equilibrium
    use amontons_assembly, only: from_unknowns, to_unknowns
    use amontons_body, only: body_t
    use amontons_condensation, only: condensed_load_t
    use amontons_cone, only: least_squares
    use amontons_kinds, only: dp
-   use amontons_load_family, only: load_case_t, recover_displacement
    use amontons_rigid_motion, only: displacement_of_nodes, rigid_motions_t
+   use amontons_load_family, only: load_case_t, recover_displacement
    use amontons_rounding, only: sum_rounding
    implicit none (type, external)
    private

@@ -128,7 +128,7 @@ contains
       allocate (boundary%nodes(0), boundary%ends(0))
       if (size(contacts) == 0) return
       if (size(body%mesh%coordinates, 1) == 3) then
-         call add_nodes_in_space(boundary, body, contacts)
+         call add_nodes_in_space(boundary, body, contacts, ties)
          return
       end if
       call new_outline(outline, body, contacts, ties)
@@ -139,11 +139,13 @@ contains
       end do
    end subroutine new_free_boundary
 
-   !> Adds the nodes of a solid's boundary that belong to no contact set and that supports leave free along the normal.
-   subroutine add_nodes_in_space(boundary, body, contacts)
+   !> Adds the nodes of a solid's boundary that belong to no contact set or tie and that supports leave free along the
+   !> normal, for the sets on rigid obstacles.
+   subroutine add_nodes_in_space(boundary, body, contacts, ties)
       type(free_boundary_t), intent(inout) :: boundary !! the free boundary
       class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
       type(free_node_t), allocatable :: found(:)
       type(face_t), allocatable :: faces(:)
       type(face_t) :: face
@@ -156,12 +158,12 @@ contains
       allocate (taken(0))
       is_taken = .false.
       do i = 1, size(contacts)
-         ! not raised: the contact zone has been made of these sets
-         call set_faces(faces, body%mesh, contacts(i)%set, error)
-         taken = [taken, faces%number]
-         do k = 1, size(faces)
-            is_taken(faces(k)%node(:faces(k)%n_nodes)) = .true.
-         end do
+         call take(contacts(i)%set)
+         if (contacts(i)%pairing%is_pair()) call take(contacts(i)%pairing%against)
+      end do
+      do i = 1, size(ties)
+         call take(ties(i)%set)
+         call take(ties(i)%against)
       end do
       normal = 0.0_dp
       do i = 1, size(body%outer)
@@ -176,6 +178,7 @@ contains
       allocate (found(size(contacts)*count(.not. is_taken)))
       n = 0
       do i = 1, size(contacts)
+         if (contacts(i)%pairing%is_pair()) cycle
          do node = 1, body%mesh%n_nodes
             if (is_taken(node) .or. .not. any(abs(normal(:, node)) > 0.0_dp)) cycle
             associate (outward => unit_vector(normal(:, node)), direction => contacts(i)%direction)
@@ -191,6 +194,21 @@ contains
          end do
       end do
       boundary%nodes = found(:n)
+
+   contains
+
+      !> Takes the faces of a set.
+      subroutine take(set)
+         character(*), intent(in) :: set !! name of the set
+
+         ! not raised: contact zone and ties have been made of these sets
+         call set_faces(faces, body%mesh, set, error)
+         taken = [taken, faces%number]
+         do k = 1, size(faces)
+            is_taken(faces(k)%node(:faces(k)%n_nodes)) = .true.
+         end do
+      end subroutine take
+
    end subroutine add_nodes_in_space
 
    !> Lists the sides of the boundary, and which of them contact sets and ties have.
