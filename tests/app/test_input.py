@@ -121,6 +121,13 @@ class Input(ProgramTest):
                 # The certificate's 1e-8 of the forces, and the digits above.
                 self.assertAlmostEqual(found, exact, delta=1e-7*max(map(abs, expected.values())), msg=f"{name} {axis}")
 
+    def test_block_on_a_plate_is_in_equilibrium(self):
+        key = json.loads((self.directory / "solid_pair.summary.json").read_text(encoding="utf-8"))["key_results"]
+        # Statics, to rounding of forces of 20 000: moments put the centre of pressure at 10 + 10*4/50 and 10 + 10*3/50.
+        for name, exact in (("contact_force_x", -1600.0), ("contact_force_y", -1200.0), ("contact_force_z", 20000.0),
+                            ("contact_centroid_x", 10.8), ("contact_centroid_y", 10.6)):
+            self.assertAlmostEqual(key[name], exact, delta=1e-9*abs(exact), msg=name)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+"""Solids on solids: pairs and ties of any two kinds of elements, against the plane, equilibrium and another code."""
+import csv
+import itertools
+import random
+import unittest
+
+from harness import ProgramTest, read_vtu
+from solid_blocks import block_of_hexahedra, distorted, mesh_text, rotation, turned
+
+KINDS = ("tet4", "hex8", "tet10", "hex20")
+PLANES = "".join(f"&support set = '{name}'  {key} = 0.0 /\n" for name, key in (
+    ("low.left", "ux"), ("low.front", "uy"), ("high.left", "ux"), ("high.front", "uy")))
+PUSHED = """&support set = 'low.bottom'  ux = 0.0  uy = 0.0  uz = 0.0 /
+&support set = 'high.top'  ux = {}  uy = {}  uz = -0.01 /
+&contact set = {}  against = {}  friction = 0.1 /
+"""
+BLOCKS = {"cells": ("12, 12, 4", "6, 6, 6"), "sizes": ("3.0, 3.0, 1.0", "1.0, 1.0, 1.0"),
+          "origins": ("-1.0, -1.0, -1.0", "0.0, 0.0, 0.0"), "young": 1000.0}
+
+
+def boxes(low, high, *, cells=("3, 2, 2", "4, 3, 2"), sizes=("1.0, 1.0, 1.0", "1.0, 1.0, 1.0"),
+          origins=("0.0, 0.0, -1.0", "0.0, 0.0, 0.0"), young=100.0):
+    """The meshes of a low and a high block of given elements, and their material."""
+    parts = zip(("low", "high"), sizes, cells, origins, (low, high))
+    return "".join(f"&mesh name = '{name}'  kind = 'box'  size = {size}  cells = {cell}  origin = {origin}"
+                   f"  element = '{element}' /\n" for name, size, cell, origin, element in parts) + (
+                       f"&material young = {young}  poisson = 0.3 /\n")
+
+
+class SolidPairs(ProgramTest):
+    """Pairs and ties of solids."""
+
+    def solve_verified(self, deck, name="case"):
+        """Solves a case, whose files must be verified."""
+        result = self.solve(deck, name)
+        self.run_program("--verify", ".")
+        return result
+
+    def test_pressure_is_uniform_between_any_two_kinds_of_elements(self):
+        for high, low in itertools.product(KINDS, KINDS):
+            for relation in ("contact set = 'high.bottom'  against = 'low.top'  friction = 0.2",
+                             "tie set = 'high.bottom'  to = 'low.top'"):
+                with self.subTest(high=high, low=low, relation=relation):
+                    base = "support set = 'low.bottom'  uz = 0.0"
+                    if relation.startswith("tie"):
+                        base = "contact set = 'low.bottom'"
+                    result = self.solve_verified(boxes(low, high) + PLANES + f"&{base} /\n&{relation} /\n"
+                                                 "&load set = 'high.top'  pressure = 1.0 /\n")
+                    # Rounding of two bodies that are factorized together.
+                    self.assert_close(result["contact_pressure"], [1.0]*len(result["x"]), 1e-12)
+
+    def test_patch_test_of_distorted_blocks_in_any_position(self):
+        rng = random.Random(5)
+        for element in ("hex8", "hex20"):
+            axes = rotation(rng)
+            blocks = [block_of_hexahedra(name, cells, distorted(rng, cells, 0.12, lambda point, z=z: turned(
+                axes, [point[0], point[1], point[2] + z])), element, is_straight=True)
+                for name, cells, z in (("low", (3, 6, 3), -1.0), ("high", (5, 4, 3), 0.0))]
+            self.write("blocks.msh", mesh_text(*blocks))
+            down = ", ".join(str(-row[2]) for row in axes)
+            up = ", ".join(str(row[2]) for row in axes)
+            planes = "".join(f"&support set = '{name}'  un = 0.0 /\n"
+                             for name in ("low.left", "low.front", "high.left", "high.front"))
+            for relation in ("support set = 'low.bottom'  un = 0.0 /\n"
+                             "&contact set = 'high.bottom'  against = 'low.top'  friction = 0.2",
+                             f"contact set = 'low.bottom'  point = {down}  normal = {up} /\n"
+                             "&tie set = 'high.bottom'  to = 'low.top'"):
+                with self.subTest(element, relation=relation):
+                    result = self.solve_verified("&mesh file = 'blocks.msh' /\n&material young = 100.0  poisson = 0.3 "
+                                                 f"/\n{planes}&load set = 'high.top'  pressure = 1.0 /\n&{relation} "
+                                                 "/\n")
+                    # The rule of degree 8 for faces whose shape functions are not polynomials in their plane.
+                    self.assert_close(result["contact_pressure"], [1.0]*len(result["x"]), 1e-9)
+
+    def test_layer_is_the_plane(self):
+        for push in (0.0, 0.002, 0.02):
+            plane = self.solve(
+                "&mesh name = 'low'  size = 3.0, 1.0  cells = 12, 4  origin = -1.0, -1.0 /\n"
+                "&mesh name = 'high'  size = 1.0, 1.0  cells = 6, 6 /\n&material young = 1000.0  poisson = 0.3 /\n"
+                "&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /\n"
+                f"&support set = 'high.top'  ux = {push}  uy = -0.01 /\n"
+                "&contact set = 'high.bottom'  against = 'low.top'  friction = 0.3 /\n", "plane")
+            layer = self.solve_verified(
+                boxes("hex8", "hex8", cells=("12, 1, 4", "6, 1, 6"), sizes=("3.0, 0.5, 1.0", "1.0, 0.5, 1.0"),
+                      origins=("-1.0, 0.0, -1.0", "0.0, 0.0, 0.0"), young=1000.0)
+                + "".join(f"&support set = '{name}.{side}'  uy = 0.0 /\n" for name in ("low", "high")
+                          for side in ("front", "back"))
+                + "&support set = 'low.bottom'  ux = 0.0  uz = 0.0 /\n"
+                f"&support set = 'high.top'  ux = {push}  uz = -0.01 /\n"
+                "&contact set = 'high.bottom'  against = 'low.top'  friction = 0.3 /\n", "layer")
+            rows = list(zip(layer["x"], layer["normal_force"], layer["tangential_force"], layer["status"]))
+            for x, normal, shear, status in zip(plane["x"], plane["normal_force"], plane["tangential_force"],
+                                                plane["status"]):
+                both = [row for row in rows if abs(row[0] - x) < 1e-9]
+                self.assertEqual(len(both), 2)
+                # Of forces of up to 3 two routes through different factors leave some 1e-14.
+                self.assertAlmostEqual(2.0*sum(row[1] for row in both), normal, delta=1e-11)
+                self.assertAlmostEqual(2.0*sum(row[2] for row in both), abs(shear), delta=1e-11)
+                self.assertEqual({row[3] for row in both}, {status.rstrip("+-")})
+
+    def test_block_on_block_has_the_forces_of_another_code(self):
+        # CalculiX with incompatible modes: N and T of a block that is pressed, then pushed.
+        for push, normal, shear in (((0.02, 0.0), 7.0058, (0.6983, 0.0)), ((0.015, 0.01), 7.0064, (0.5809, 0.3872))):
+            for element, digits in (("hex8", 0.014), ("hex20", 0.020)):
+                found = []
+                for sets in (("'high.bottom'", "'low.top'"), ("'low.top'", "'high.bottom'")):
+                    with self.subTest(element, push=push, slave=sets[0]):
+                        result = self.solve_verified(boxes(element, element, **BLOCKS) + PUSHED.format(*push, *sets))
+                        sign = -1.0 if sets[0] == "'high.bottom'" else 1.0
+                        key = result.summary["key_results"]
+                        forces = [sign*key[f"contact_force_{axis}"] for axis in "xyz"]
+                        # Other elements on the same mesh, their edges singular; one way finer than the other.
+                        self.assertAlmostEqual(-forces[2]/normal, 1.0, delta=digits)
+                        self.assert_close([forces[0], forces[1]], [t*(-forces[2])/normal for t in shear], 2e-3)
+                        # All slip, nearly along the push: the resultant is a little less than the sum.
+                        self.assertAlmostEqual(sum(result["tangential_force"]), 0.1*sum(result["normal_force"]),
+                                               delta=1e-10)
+                        found.append(forces[2])
+                # Roles exchanged.
+                self.assertAlmostEqual(found[0]/found[1], 1.0, delta=2e-3)
+
+    def test_overlap_of_two_cubes_is_pressed_away_evenly(self):
+        for high, low in (("hex8", "hex8"), ("tet10", "hex20"), ("hex20", "tet4")):
+            with self.subTest(high=high, low=low):
+                for z, gap in ((-0.01, ""), (0.0, "extra_gap = -0.01"),
+                               (0.3, "gap = 'touching'  extra_gap = -0.01  search = 0.4")):
+                    result = self.solve_verified(
+                        boxes(low, high, cells=("4, 3, 3", "3, 5, 3"), origins=("0.0, 0.0, -1.0", f"0.0, 0.0, {z}"))
+                        + PLANES + "&support set = 'low.bottom'  uz = 0.0 /\n&support set = 'high.top'  uz = 0.0 /\n"
+                        f"&contact set = 'high.bottom'  against = 'low.top'  {gap} /\n")
+                    self.assert_close(result["contact_pressure"], [0.5]*len(result["x"]), 1e-11)
+
+
+if __name__ == "__main__":
+    unittest.main()
