@@ -30,7 +30,7 @@ contains
       real(dp), intent(in) :: b(3) !! the second one
       real(dp) :: product(3)
 
-      product = cshift(a, 1)*cshift(b, 2) - cshift(a, 2)*cshift(b, 1)
+      product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
    end function vector_product
 
    !> The inverse of a matrix of one or two rows, not singular.

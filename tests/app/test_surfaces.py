@@ -196,6 +196,21 @@ class Surfaces(ProgramTest):
         run = self.run_program("--verify", ".", status=4)
         self.assertIn("floor.stl: it was changed", run.stdout + run.stderr)
 
+    def test_history_and_refined_meshes(self):
+        way = ("history times = 0.0, 1.0, 2.0, 3.0", "steps obstacle = 'floor'  shift_x = 0.0, 0.01, -0.01, 0.0  "
+               "shift_y = 0.0, 0.0, 0.005, 0.0  shift_z = 0.0, 0.01, 0.01, 0.02")
+        floors = "contact set = 'bottom'  friction = 0.3", self.contact("floor.stl", FLOOR)
+        tables = []
+        for floor in floors:
+            push = "support set = 'top'  ux = 0.0  uy = 0.0  uz = 0.0"
+            self.run_program("--quiet", self.write("walk.nml", solid(push, floor + "  name = 'floor'", *way)))
+            self.run_program("--verify", ".")
+            table = (self.directory / "walk.history.csv").read_text(encoding="utf-8")
+            fine = self.solve(solid(PUSH, floor, "accuracy refinements = 2", cells="1, 1, 1"), "fine")
+            tables.append((table, fine.columns, fine.summary["key_results"]))
+        self.assertGreater(len(tables[0][0].splitlines()), 3)
+        self.assertEqual(tables[0], tables[1])
+
     def test_listing_tells_the_triangles(self):
         self.solve(solid(PUSH, self.contact("floor.stl", FLOOR)))
         self.assertIn(f"surface at (0.0, 0.0, 0.0), 2 triangles of {self.directory}/floor.stl, open",

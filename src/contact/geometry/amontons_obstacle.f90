@@ -381,7 +381,7 @@ contains
       integer :: found
 
       crossings = self%crossings(position, direction)
-      if (any(.not. crossings%way > 0.0_dp)) then
+      if (any(.not. crossings%way > 0.0_dp .and. crossings%cosine > 0.0_dp)) then
          if (self%is_passed(position, minval(abs(crossings%way)))) crossings = pack(crossings, crossings%way > 0.0_dp)
       end if
       found = find_entry(crossings)

@@ -49,6 +49,7 @@ contains
          !! corners are counterclockwise [L]
       integer, allocatable :: twin(:, :)
       integer :: n, node, n_leaves, t
+      real(dp) :: normal(3), extent
 
       call join_corners(surface, place)
       n = size(surface%corner, 2)
@@ -56,6 +57,8 @@ contains
       if (n > 0) call find_twins(surface, twin, error)
       if (.not. allocated(error)) call orient(surface, twin, error, inside)
       if (allocated(error)) return
+      extent = maxval(maxval(surface%vertex, dim=2) - minval(surface%vertex, dim=2))
+      surface%rounding = sum_rounding*maxval(abs(surface%vertex))
       n_leaves = 1
       do while (n_leaves*n_in_box < n)
          n_leaves = 2*n_leaves
@@ -67,21 +70,14 @@ contains
          associate (p => surface%vertex(:, surface%corner(:, t)), box => surface%box(:, :, n_leaves + (t - 1)/n_in_box))
             box(:, 1) = min(box(:, 1), minval(p, dim=2))
             box(:, 2) = max(box(:, 2), maxval(p, dim=2))
-            surface%normal(:, t) = vector_product(p(:, 2) - p(:, 1), p(:, 3) - p(:, 1))
+            normal = vector_product(p(:, 2) - p(:, 1), p(:, 3) - p(:, 1))
+            if (norm2(normal) > surface%rounding*extent) surface%normal(:, t) = normal/norm2(normal)
          end associate
       end do
-      associate (box => surface%box, normal => surface%normal)
+      associate (box => surface%box)
          do node = n_leaves - 1, 1, -1
             box(:, 1, node) = min(box(:, 1, 2*node), box(:, 1, 2*node + 1))
             box(:, 2, node) = max(box(:, 2, 2*node), box(:, 2, 2*node + 1))
-         end do
-         surface%rounding = sum_rounding*maxval(abs(box(:, :, 1)))
-         do t = 1, n
-            if (norm2(normal(:, t)) > surface%rounding*maxval(box(:, 2, 1) - box(:, 1, 1))) then
-               normal(:, t) = normal(:, t)/norm2(normal(:, t))
-            else
-               normal(:, t) = 0.0_dp
-            end if
          end do
       end associate
    end subroutine new_triangulation
@@ -273,30 +269,40 @@ contains
       real(dp), intent(in) :: reach !! a bound of the distance [L]
       real(dp), intent(out) :: distance !! the distance [L]
       logical, intent(out) :: is_beyond !! whether the nearest place is an end of the surface, the point beyond it
-      type(integer_list_t) :: near
-      real(dp) :: p(3, 3), along(3, 3), share, way
+      integer :: boxes(bit_size(1)), n, node, k, last, t
+      real(dp) :: p(3, 3), along(3, 3), apart(3), share, way
       logical :: is_above
-      integer :: i, k
 
-      distance = huge(distance)
+      distance = reach
       is_beyond = .false.
-      call self%find_near(position, [0.0_dp, 0.0_dp, 1.0_dp], reach + self%rounding, near)
-      do i = 1, near%n
-         associate (normal => self%normal(:, near%item(i)), is_end => self%is_end(:, near%item(i)))
-            p = self%vertex(:, self%corner(:, near%item(i))) - spread(position, 2, 3)
+      boxes(1) = 1
+      n = 1
+      do while (n > 0)
+         node = boxes(n)
+         n = n - 1
+         apart = max(0.0_dp, self%box(:, 1, node) - position, position - self%box(:, 2, node))
+         if (.not. norm2(apart) <= distance + self%rounding) cycle
+         if (2*node < size(self%box, 3)) then
+            boxes(n + 1:n + 2) = [2*node, 2*node + 1]
+            n = n + 2
+            cycle
+         end if
+         last = n_in_box*(node - size(self%box, 3)/2)
+         do t = last - n_in_box + 1, min(last, size(self%corner, 2))
+            p = self%vertex(:, self%corner(:, t)) - spread(position, 2, 3)
             along = p(:, next_corner) - p
-            is_above = any(abs(normal) > 0.0_dp) .and. all([(dot_product(vector_product(p(:, k), along(:, k)), &
-               normal), k=1, 3)] >= -self%rounding*norm2(along, dim=1))
+            is_above = any(abs(self%normal(:, t)) > 0.0_dp) .and. all([(dot_product(vector_product(p(:, k), &
+               along(:, k)), self%normal(:, t)), k=1, 3)] >= -self%rounding*norm2(along, dim=1))
             do k = 1, 3
                share = -dot_product(p(:, k), along(:, k))/dot_product(along(:, k), along(:, k))
                way = norm2(p(:, k) + min(1.0_dp, max(0.0_dp, share))*along(:, k))
-               if (is_above) way = abs(dot_product(p(:, k), normal))
+               if (is_above) way = abs(dot_product(p(:, k), self%normal(:, t)))
                ! A vertex is an end if any edge there is one.
-               is_beyond = way < distance + self%rounding .and. is_end(k) .and. .not. is_above .or. &
+               is_beyond = way < distance + self%rounding .and. self%is_end(k, t) .and. .not. is_above .or. &
                   is_beyond .and. way > distance - self%rounding
                distance = min(distance, way)
             end do
-         end associate
+         end do
       end do
    end subroutine triangulation_find_nearest
 
