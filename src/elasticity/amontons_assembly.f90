@@ -13,7 +13,7 @@ module amontons_assembly
    implicit none (type, external)
    private
 
-   public :: assemble_stiffness, from_unknowns, inner_work, spring_forces, sum_uncanceled_terms, to_unknowns
+   public :: assemble_stiffness, from_unknowns, inner_work, is_strained, spring_forces, to_unknowns, uncanceled_force
 
 contains
 
@@ -192,45 +192,61 @@ contains
       end do
    end function inner_work
 
-   !> Computes the nodal forces that would result if no two terms of stiffness times displacement canceled; the rounding
-   !> errors of the internal forces are a small share of them. The forces of an element without strain are as small a
-   !> share; beside elements that move, the displacements of an element at rest are rounding errors themselves.
-   pure subroutine sum_uncanceled_terms(mesh, materials, displacement, magnitude, uncanceled, strained_share)
+   !> Norm of the nodal forces |K| |u| that would result if no two terms of stiffness times displacement canceled; the
+   !> rounding errors of the internal forces are a small share of them [F].
+   pure real(dp) function uncanceled_force(mesh, materials, magnitude) result(force)
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      type(materials_t), intent(in) :: materials !! the materials of the elements
+      real(dp), intent(in) :: magnitude(:, :)
+         !! magnitudes of the displacements of the nodes, or of what makes them up (components, n_nodes) [L]
+      type(element_geometry_t) :: geometry
+      real(dp), allocatable :: forces(:, :)
+      real(dp) :: stiffness(max_components*max_nodes, max_components*max_nodes)
+      integer :: element, n
+
+      allocate (forces, mold=magnitude)
+      forces = 0.0_dp
+      do element = 1, mesh%n_elements
+         associate (nodes => mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1), &
+            material => materials%list(materials%of_element(element)))
+            if (all(magnitude(:, nodes) <= 0.0_dp)) cycle
+            call new_element_geometry(geometry, mesh, element, material)
+            call element_stiffness(geometry, material, stiffness)
+            n = size(magnitude, 1)*size(nodes)
+            forces(:, nodes) = forces(:, nodes) + reshape(matmul(abs(stiffness(:n, :n)), &
+               reshape(magnitude(:, nodes), [n])), shape(forces(:, nodes)))
+         end associate
+      end do
+      force = norm2(forces)
+   end function uncanceled_force
+
+   !> Whether an element bears more than a share of what its forces would be if its nodes had the largest of all
+   !> displacements and no two terms canceled. Beside elements that move, the displacements of an element at rest are
+   !> rounding errors themselves.
+   pure logical function is_strained(mesh, materials, displacement, largest, share)
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(materials_t), intent(in) :: materials !! the materials of the elements
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
-      real(dp), intent(in) :: magnitude(:, :) !! magnitudes of these, or of what makes them up (components, n_nodes) [L]
-      real(dp), intent(out) :: uncanceled !! norm of the nodal forces |K| |u| [F]
-      real(dp), intent(out) :: strained_share
-         !! the largest share that the forces of an element are of what they would be if its nodes had the largest of
-         !! all displacements and no two terms canceled [-]
+      real(dp), intent(in) :: largest !! the largest displacement [L]
+      real(dp), intent(in) :: share !! the share [-]
       type(element_geometry_t) :: geometry
-      real(dp), allocatable :: forces(:, :)
-      real(dp) :: stiffness(max_components*max_nodes, max_components*max_nodes), largest
+      real(dp) :: stiffness(max_components*max_nodes, max_components*max_nodes)
       integer :: element, n
 
-      allocate (forces, mold=displacement)
-      forces = 0.0_dp
-      strained_share = 0.0_dp
-      largest = maxval(magnitude)
+      is_strained = .false.
       do element = 1, mesh%n_elements
-         if (all(magnitude(:, mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1)) <= 0.0_dp)) cycle
-         associate (material => materials%list(materials%of_element(element)))
+         associate (nodes => mesh%node(mesh%node_start(element):mesh%node_start(element + 1) - 1), &
+            material => materials%list(materials%of_element(element)))
+            if (all(abs(displacement(:, nodes)) <= 0.0_dp)) cycle
             call new_element_geometry(geometry, mesh, element, material)
             call element_stiffness(geometry, material, stiffness)
-         end associate
-         associate (nodes => geometry%node(:geometry%n_nodes))
             n = size(displacement, 1)*size(nodes)
-            associate (u => reshape(displacement(:, nodes), [n]), sizes => abs(stiffness(:n, :n)), &
-               size_of_u => reshape(magnitude(:, nodes), [n]))
-               forces(:, nodes) = forces(:, nodes) + reshape(matmul(sizes, size_of_u), shape(forces(:, nodes)))
-               strained_share = max(strained_share, maxval(abs(matmul(stiffness(:n, :n), u))) &
-                  /max(largest*maxval(sum(sizes, dim=2)), tiny(largest)))
-            end associate
+            is_strained = maxval(abs(matmul(stiffness(:n, :n), reshape(displacement(:, nodes), [n])))) &
+               > share*max(largest*maxval(sum(abs(stiffness(:n, :n)), dim=2)), tiny(largest))
          end associate
+         if (is_strained) return
       end do
-      uncanceled = norm2(forces)
-   end subroutine sum_uncanceled_terms
+   end function is_strained
 
    !> Nodal forces of springs: spring stiffness times displacement (components, n_nodes) [F].
    pure function spring_forces(n_nodes, springs, displacement) result(forces)

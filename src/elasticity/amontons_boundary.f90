@@ -181,7 +181,7 @@ contains
       integer :: place(mesh%n_nodes), i, k, p, point
       logical :: is_bare(mesh%n_nodes), is_on_axis(mesh%n_nodes)
       real(dp) :: axial(size(mesh%coordinates, 1), patch%n_nodes)
-      type(face_t) :: face
+      real(dp), allocatable :: values(:, :)
 
       place = 0
       place(patch%node) = [(i, i=1, patch%n_nodes)]
@@ -192,24 +192,26 @@ contains
       is_on_axis = .false.
       if (present(materials)) is_on_axis = on_axis(mesh, materials)
       do i = 1, size(patch%faces)
-         face = patch%faces(i)
-         if (size(axial, 1) > 2) call share_middles(face)
-         do point = 1, size(face%area)
-            do k = 1, face%n_nodes
-               p = place(face%node(k))
-               associate (value => face%values(k, point))
-                  patch%weight(p) = patch%weight(p) + value*face%length(point)
-                  patch%area(p) = patch%area(p) + value*face%area(point)
-                  patch%moment(p) = patch%moment(p) + value*face%area(point)*face%position(1, point)**2
-                  if (all(is_on_axis(face%node(:2)))) then
-                     axial(:, p) = axial(:, p) + value*face%outward(:, point)
-                  else
-                     patch%normal(:, p) = patch%normal(:, p) + value*face%outward(:, point)
-                  end if
-               end associate
+         associate (face => patch%faces(i))
+            values = face%values
+            if (size(axial, 1) > 2) call share_middles(values, face)
+            do point = 1, size(face%area)
+               do k = 1, face%n_nodes
+                  p = place(face%node(k))
+                  associate (value => values(k, point))
+                     patch%weight(p) = patch%weight(p) + value*face%length(point)
+                     patch%area(p) = patch%area(p) + value*face%area(point)
+                     patch%moment(p) = patch%moment(p) + value*face%area(point)*face%position(1, point)**2
+                     if (all(is_on_axis(face%node(:2)))) then
+                        axial(:, p) = axial(:, p) + value*face%outward(:, point)
+                     else
+                        patch%normal(:, p) = patch%normal(:, p) + value*face%outward(:, point)
+                     end if
+                  end associate
+               end do
             end do
-         end do
-         if (face%n_nodes > 2) is_bare(face%node(:2)) = is_on_axis(face%node(:2))
+            if (face%n_nodes > 2) is_bare(face%node(:2)) = is_on_axis(face%node(:2))
+         end associate
       end do
       ! What has no other side keeps the normal of the axis.
       where (spread(.not. any(abs(patch%normal) > 0.0_dp, dim=1), 1, size(axial, 1))) patch%normal = axial
@@ -229,13 +231,14 @@ contains
    end function n_face_corners
 
    !> Gives the corners of a face in space their shares of the shape functions of middle nodes.
-   pure subroutine share_middles(face)
-      type(face_t), intent(inout) :: face !! the face
+   pure subroutine share_middles(values, face)
+      real(dp), intent(inout) :: values(:, :) !! the shape functions (node, point) [-]
+      type(face_t), intent(in) :: face !! the face
       integer :: n
 
       n = n_face_corners(face)
       if (n == face%n_nodes) return
-      associate (corners => face%values(:n, :), middles => face%values(n + 1:face%n_nodes, :))
+      associate (corners => values(:n, :), middles => values(n + 1:face%n_nodes, :))
          corners = corners + corner_share*(middles + cshift(middles, -1, dim=1))
          middles = (1.0_dp - 2.0_dp*corner_share)*middles
       end associate

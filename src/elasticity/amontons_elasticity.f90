@@ -5,7 +5,7 @@
 module amontons_elasticity
    use amontons_dilatation, only: condense_inner, mode_values, new_modes, new_projection, projection_t
    use amontons_element, only: bubble_function, has_bubble, is_solid, max_nodes, max_points, n_element_nodes, &
-      n_element_points, quad4, quadrature_point, shape_functions, tet10, tri3, tri6
+      n_element_points, quad4, quadrature_point, shape_functions, tet10, tri6
    use amontons_kinds, only: dp
    use amontons_material, only: isotropic_law, material_t, max_components, n_strains
    use amontons_mesh, only: is_straight, mesh_t
@@ -28,15 +28,15 @@ module amontons_elasticity
       integer :: node(max_nodes) = 0 !! numbers of the nodes in the mesh
       real(dp), allocatable :: values(:, :) !! shape functions, that of a bubble last (function, point) [-]
       real(dp), allocatable, private :: derivatives(:, :, :)
-         !! derivatives by the reference coordinates (n_dim, function, point) [-]
+         !! derivatives by the reference coordinates (function, n_dim, point) [-]
       real(dp), allocatable, private :: weight(:) !! weights of the quadrature (points) [-]
       real(dp), allocatable :: thermal_strain(:)
          !! strain of free thermal expansion at the points, from `set_element_load`; the next element keeps it [-]
       real(dp) :: loaded_bubble(3) = 0.0_dp
          !! displacement of the bubble by heat and body forces where the nodes are at rest, from there, too [L]
-      real(dp), allocatable :: gradient(:, :, :) !! gradients of the functions (n_dim, function, point) [1/L]
-      real(dp), allocatable :: hoop(:, :)
-         !! in a body of revolution the functions over the radius (function, point) [1/L]
+      real(dp), allocatable :: gradient(:, :, :)
+         !! gradients of the functions; in a body of revolution the functions over the radius stand in the third place
+         !! (function, 3, point) [1/L]
       real(dp), allocatable :: position(:, :) !! coordinates of the points (n_dim, points) [L]
       real(dp), allocatable :: volume(:) !! quadrature weight, Jacobian and depth of each point (points) [L^3]
       real(dp), allocatable, private :: mode(:, :) !! values of the polynomials (mode, point) [L^-3/2]
@@ -102,14 +102,11 @@ contains
             call place_solid(geometry, in_space(:, :geometry%n_nodes))
          else
             call place_plane(geometry%gradient, geometry%position, geometry%volume, geometry%derivatives, &
-               geometry%values, geometry%weight, x, geometry%n_nodes, geometry%n_functions, geometry%kind == tri3, n, &
-               n_points)
+               geometry%values, geometry%weight, x, geometry%n_nodes, material%is_axisymmetric, n, n_points)
          end if
          do point = 1, n_points
             geometry%volume(point) = geometry%volume(point)*material%depth(geometry%position(1, point))
          end do
-         if (material%is_axisymmetric) call divide_by_radius(geometry%hoop, geometry%values, geometry%position, n, &
-            n_points)
       end associate
       if (geometry%n_modes > 0) call project_dilatation(geometry, mesh, element, material)
    end subroutine new_element_geometry
@@ -119,74 +116,43 @@ contains
 
    !> Sets places, gradients and areas at the points of a plane element.
    ! allow(S902): arrays of explicit shape, whose descriptors nothing reads again
-   pure subroutine place_plane(gradient, position, area, derivatives, values, weight, x, n_nodes, n_functions, &
-      is_constant, n, n_points)
+   pure subroutine place_plane(gradient, position, area, derivatives, values, weight, x, n_nodes, is_round, n, n_points)
       integer, intent(in) :: n !! number of functions that there is room for
       integer, intent(in) :: n_points !! number of points
-      real(dp), intent(inout) :: gradient(2, n, n_points) !! gradients, as of `element_geometry_t` [1/L]
+      real(dp), intent(inout) :: gradient(n, 3, n_points) !! gradients, as of `element_geometry_t` [1/L]
       real(dp), intent(out) :: position(2, n_points) !! coordinates of the points [L]
       real(dp), intent(out) :: area(n_points) !! their shares of the area [L^2]
-      real(dp), intent(in) :: derivatives(2, n, n_points) !! derivatives by the reference coordinates [-]
+      real(dp), intent(in) :: derivatives(n, 2, n_points) !! derivatives by the reference coordinates [-]
       real(dp), intent(in) :: values(n, n_points) !! shape functions [-]
       real(dp), intent(in) :: weight(n_points) !! weights of the quadrature [-]
       real(dp), intent(in) :: x(2, max_nodes) !! coordinates of the nodes [L]
       integer, intent(in) :: n_nodes !! number of nodes
-      integer, intent(in) :: n_functions !! number of shape functions
-      logical, intent(in) :: is_constant !! whether it is a linear triangle, whose gradients are constant
+      logical, intent(in) :: is_round !! whether the body is one of revolution
       real(dp) :: dx(2), dy(2), determinant
       integer :: i, point
 
       do point = 1, n_points
          position(:, point) = 0.0_dp
+         ! The derivatives of x and of y by the reference coordinates are the rows of the Jacobian.
+         dx = 0.0_dp
+         dy = 0.0_dp
          do i = 1, n_nodes
             position(:, point) = position(:, point) + values(i, point)*x(:, i)
+            dx = dx + x(1, i)*derivatives(i, :, point)
+            dy = dy + x(2, i)*derivatives(i, :, point)
          end do
-         if (.not. is_constant) then
-            ! The derivatives of x and of y by the reference coordinates are the rows of the Jacobian.
-            dx = 0.0_dp
-            dy = 0.0_dp
-            do i = 1, n_nodes
-               dx = dx + x(1, i)*derivatives(:, i, point)
-               dy = dy + x(2, i)*derivatives(:, i, point)
-            end do
-            determinant = dx(1)*dy(2) - dx(2)*dy(1)
-            dx = dx/determinant
-            dy = dy/determinant
-            do i = 1, n_functions
-               gradient(1, i, point) = dy(2)*derivatives(1, i, point) - dy(1)*derivatives(2, i, point)
-               gradient(2, i, point) = dx(1)*derivatives(2, i, point) - dx(2)*derivatives(1, i, point)
-            end do
-         else if (point == 1) then
-            dx = x(1, 2:3) - x(1, 1)
-            dy = x(2, 2:3) - x(2, 1)
-            determinant = dx(1)*dy(2) - dy(1)*dx(2)
-            gradient(:, 2, 1) = [dy(2), -dx(2)]/determinant
-            gradient(:, 3, 1) = [-dy(1), dx(1)]/determinant
-            gradient(:, 1, 1) = -gradient(:, 2, 1) - gradient(:, 3, 1)
-         else
-            ! The Jacobian of a straight triangle is the same at every point.
-            gradient(:, :3, point) = gradient(:, :3, 1)
-         end if
+         determinant = dx(1)*dy(2) - dx(2)*dy(1)
+         dx = dx/determinant
+         dy = dy/determinant
+         !$omp simd
+         do i = 1, n
+            gradient(i, 1, point) = dy(2)*derivatives(i, 1, point) - dy(1)*derivatives(i, 2, point)
+            gradient(i, 2, point) = dx(1)*derivatives(i, 2, point) - dx(2)*derivatives(i, 1, point)
+         end do
+         if (is_round) gradient(:, 3, point) = values(:, point)/position(1, point)
          area(point) = weight(point)*determinant
       end do
    end subroutine place_plane
-
-   !> Divides the shape functions by the radius.
-   pure subroutine divide_by_radius(hoop, values, position, n, n_points)
-      integer, intent(in) :: n !! number of functions
-      integer, intent(in) :: n_points !! number of points
-      real(dp), intent(out) :: hoop(n, n_points) !! the functions over the radius [1/L]
-      real(dp), intent(in) :: values(n, n_points) !! the functions [-]
-      real(dp), intent(in) :: position(2, n_points) !! coordinates of the points [L]
-      integer :: i, point
-
-      do point = 1, n_points
-         !$omp simd
-         do i = 1, n
-            hoop(i, point) = values(i, point)/position(1, point)
-         end do
-      end do
-   end subroutine divide_by_radius
 
    !> Sets places, gradients and volumes at the points of a solid element: the rows of the inverse Jacobian are the
    !> vector products of its columns, over the determinant.
@@ -194,11 +160,11 @@ contains
       type(element_geometry_t), intent(inout) :: geometry !! the element; gains these
       real(dp), intent(in) :: x(:, :) !! coordinates of the nodes (3, nodes) [L]
       real(dp) :: jacobian(3, 3), inverse(3, 3), determinant
-      integer :: i, k, point
+      integer :: k, point
 
       do point = 1, geometry%n_points
          geometry%position(:, point) = matmul(x, geometry%values(:size(x, 2), point))
-         jacobian = matmul(x, transpose(geometry%derivatives(:, :size(x, 2), point)))
+         jacobian = matmul(x, geometry%derivatives(:size(x, 2), :, point))
          do k = 1, 3
             associate (a => jacobian(:, mod(k, 3) + 1), b => jacobian(:, mod(k + 1, 3) + 1))
                inverse(:, k) = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
@@ -206,11 +172,9 @@ contains
          end do
          determinant = dot_product(jacobian(:, 1), inverse(:, 1))
          inverse = inverse/determinant
-         do i = 1, geometry%n_functions
-            associate (derivative => geometry%derivatives(:, i, point))
-               geometry%gradient(:, i, point) = inverse(:, 1)*derivative(1) + inverse(:, 2)*derivative(2) &
-                  + inverse(:, 3)*derivative(3)
-            end associate
+         do k = 1, 3
+            geometry%gradient(:, k, point) = inverse(k, 1)*geometry%derivatives(:, 1, point) &
+               + inverse(k, 2)*geometry%derivatives(:, 2, point) + inverse(k, 3)*geometry%derivatives(:, 3, point)
          end do
          geometry%volume(point) = geometry%weight(point)*determinant
       end do
@@ -249,7 +213,7 @@ contains
       integer, intent(in) :: element !! number of the element
       type(material_t), intent(in) :: material !! its material
       type(element_geometry_t), allocatable :: standard
-      real(dp) :: inner(geometry%n_dim, geometry%n_dim*geometry%n_functions), law(n_strains, n_strains), share
+      real(dp) :: inner(geometry%n_dim, geometry%n_dim*geometry%n_functions), block(3, 3), share
       integer :: i, m, point
 
       associate (n => geometry%n_functions, n_points => geometry%n_points, modes => geometry%n_modes, &
@@ -273,22 +237,19 @@ contains
             do point = 1, n_points
                share = geometry%volume(point)*geometry%mode(m, point)
                do i = 1, n
-                  projection%dilatation(:, i, m) = projection%dilatation(:, i, m) + share*geometry%gradient(:, i, point)
+                  projection%dilatation(:, i, m) = projection%dilatation(:, i, m) &
+                     + share*geometry%gradient(i, :d, point)
                   projection%share(i, m) = projection%share(i, m) + share*geometry%values(i, point)
                   if (material%is_axisymmetric) projection%dilatation(1, i, m) = projection%dilatation(1, i, m) &
-                     + share*geometry%hoop(i, point)
+                     + share*geometry%gradient(i, 3, point)
                end do
             end do
          end do
          if (n == geometry%n_nodes) return
-         law = element_law(geometry, material)
-         if (d == 3) then
-            call find_solid_rows(inner, geometry, material, law, n)
-         else
-            do i = 1, n
-               call find_block(inner(:, 2*i - 1:2*i), geometry, material, law, n, i)
-            end do
-         end if
+         do i = 1, n
+            call find_block(block, geometry, material, law_of_slopes(geometry, material), n, i)
+            inner(:, d*(i - 1) + 1:d*i) = block(:d, :d)
+         end do
          projection%stiffness = inner(:, d*(n - 1) + 1:)
          call condense_inner(projection%bubble, projection%compliance, inner)
       end associate
@@ -332,23 +293,23 @@ contains
 
       if (geometry%kind == kind .and. geometry%n_points == n_points) return
       if (allocated(geometry%values)) deallocate (geometry%values, geometry%derivatives, geometry%weight, &
-         geometry%gradient, geometry%hoop, geometry%position, geometry%volume, geometry%mode, geometry%thermal_strain)
+         geometry%gradient, geometry%position, geometry%volume, geometry%mode, geometry%thermal_strain)
       geometry%kind = kind
       geometry%n_dim = size(xi)
       geometry%n_nodes = n_element_nodes(kind)
       geometry%n_points = n_points
       n = geometry%n_nodes
       if (has_bubble(kind)) n = n + 1
-      allocate (geometry%values(n, n_points), geometry%derivatives(size(xi), n, n_points), geometry%weight(n_points), &
-         geometry%gradient(size(xi), n, n_points), geometry%hoop(n, n_points), geometry%position(size(xi), n_points), &
-         geometry%volume(n_points), geometry%mode(n_projected(kind), n_points))
+      allocate (geometry%values(n, n_points), geometry%derivatives(n, size(xi), n_points), geometry%weight(n_points), &
+         geometry%gradient(n, 3, n_points), geometry%position(size(xi), n_points), geometry%volume(n_points), &
+         geometry%mode(n_projected(kind), n_points))
       allocate (geometry%thermal_strain(n_points), source=0.0_dp)
       do point = 1, n_points
          call quadrature_point(kind, n_points, point, xi, geometry%weight(point))
          call shape_functions(kind, xi, values, derivatives)
          if (has_bubble(kind)) call bubble_function(kind, xi, values(n), derivatives(:, n))
          geometry%values(:, point) = values(:n)
-         geometry%derivatives(:, :, point) = derivatives(:, :n)
+         geometry%derivatives(:, :, point) = transpose(derivatives(:, :n))
       end do
    end subroutine choose_reference
 
@@ -358,114 +319,137 @@ contains
       type(material_t), intent(in) :: material !! its material
       real(dp), intent(out) :: stiffness(max_components*max_nodes, max_components*max_nodes)
          !! in the first rows and columns, the components of a node beside each other [F/L]
-      real(dp) :: block(2, 2), law(n_strains, n_strains)
-      integer :: first, i, j, other
+      real(dp) :: block(3, 3), law(3, 3, 3, 3)
+      integer :: column, i, j, row
 
-      law = element_law(geometry, material)
-      if (geometry%n_dim == 3) then
-         call solid_stiffness(geometry, material, law, stiffness)
-         return
-      end if
-      if (material%is_twisted) stiffness(:3*geometry%n_nodes, :3*geometry%n_nodes) = 0.0_dp
-      do j = 1, geometry%n_nodes
-         do i = j, geometry%n_nodes
-            call find_block(block, geometry, material, law, i, j)
-            if (geometry%n_functions > geometry%n_nodes) then
-               associate (bubble => geometry%projection%bubble)
-                  block = block - matmul(transpose(bubble(:, 2*i - 1:2*i)), matmul(geometry%projection%stiffness, &
-                     bubble(:, 2*j - 1:2*j)))
-               end associate
-            end if
-            first = material%n_components*(i - 1) + 1
-            other = material%n_components*(j - 1) + 1
-            stiffness(first:first + 1, other:other + 1) = block
-            stiffness(other:other + 1, first:first + 1) = transpose(block)
-            if (.not. material%is_twisted) cycle
-            stiffness(first + 2, other + 2) = twist_stiffness(geometry, law, i, j)
-            stiffness(other + 2, first + 2) = stiffness(first + 2, other + 2)
+      law = law_of_slopes(geometry, material)
+      associate (n => material%n_components, d => geometry%n_dim, bubble => geometry%projection%bubble)
+         do j = 1, geometry%n_nodes
+            column = n*(j - 1)
+            do i = j, geometry%n_nodes
+               row = n*(i - 1)
+               call find_block(block, geometry, material, law, i, j)
+               if (geometry%n_functions > geometry%n_nodes) block(:d, :d) = block(:d, :d) - matmul(transpose( &
+                  bubble(:, d*(i - 1) + 1:d*i)), matmul(geometry%projection%stiffness, bubble(:, d*(j - 1) + 1:d*j)))
+               stiffness(row + 1:row + n, column + 1:column + n) = block(:n, :n)
+               stiffness(column + 1:column + n, row + 1:row + n) = transpose(block(:n, :n))
+            end do
          end do
-      end do
+      end associate
    end subroutine element_stiffness
 
-   !> Stiffness of a solid element, from the rows of one node after the other, in which only the nodes up to it stand.
-   pure subroutine solid_stiffness(geometry, material, law, stiffness)
+   !> Stiffness between two shape functions: sum over the points of volume times B_i^T D B_j, D the law and B the
+   !> strains of unit displacements. Each mode b of a projected dilatation adds the bulk modulus times b_i b_j^T.
+   pure subroutine find_block(block, geometry, material, law, i, j)
+      real(dp), intent(out) :: block(3, 3) !! the stiffness, in the first rows and columns [F/L]
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
       type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: law(n_strains, n_strains) !! its law, from `element_law` [F/L^2]
-      real(dp), intent(inout) :: stiffness(:, :) !! in the first rows and columns, as of `element_stiffness` [F/L]
-      real(dp) :: rows(3, 3*max_nodes)
-      integer :: i
+      real(dp), intent(in) :: law(3, 3, 3, 3) !! its law, from `law_of_slopes` [F/L^2]
+      integer, intent(in) :: i !! function of the rows
+      integer, intent(in) :: j !! function of the columns
+      integer :: k, m
 
-      do i = 1, geometry%n_nodes
-         call find_solid_rows(rows(:, :3*i), geometry, material, law, i)
-         if (geometry%n_functions > geometry%n_nodes) then
-            associate (bubble => geometry%projection%bubble)
-               rows(:, :3*i) = rows(:, :3*i) - matmul(transpose(matmul(geometry%projection%stiffness, &
-                  bubble(:, 3*i - 2:3*i))), bubble(:, :3*i))
-            end associate
-         end if
-         stiffness(3*i - 2:3*i, :3*i) = rows(:, :3*i)
-         stiffness(:3*i - 3, 3*i - 2:3*i) = transpose(rows(:, :3*i - 3))
+      call sum_products(block, law, geometry%gradient, geometry%volume, i, j, n_slopes(geometry, material), &
+         material%n_components, size(geometry%values, 1), geometry%n_points)
+      do m = 1, geometry%n_modes
+         associate (a => geometry%projection%dilatation(:, i, m), b => geometry%projection%dilatation(:, j, m))
+            do k = 1, geometry%n_dim
+               block(:geometry%n_dim, k) = block(:geometry%n_dim, k) + material%bulk()*(a*b(k))
+            end do
+         end associate
       end do
-   end subroutine solid_stiffness
+   end subroutine find_block
 
-   !> Rows of the stiffness of a function in space: the products of the gradients are summed over the points, and then
-   !> contracted with the law, C_kmln of which stands in row (k, m) and column (l, n). Each mode of a projected
-   !> dilatation adds the bulk modulus as in `find_block`.
-   pure subroutine find_solid_rows(rows, geometry, material, law, i)
-      real(dp), intent(out) :: rows(:, :) !! the rows; their columns are those of the first functions (3, any) [F/L]
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: law(n_strains, n_strains) !! its law, from `element_law` [F/L^2]
-      integer, intent(in) :: i !! the function
-      integer, parameter :: strain_of(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
-      real(dp) :: products(3, 3, max_nodes), own(3)
-      integer :: j, k, l, m, n, point
+   !> Sums the products of the slopes of two functions over the points, and contracts them with the law. The numbers of
+   !> slopes are written out, so that the loops over them are unrolled.
+   ! allow(S902): as above
+   pure subroutine sum_products(block, law, gradient, volume, i, j, n_slopes, n_components, room, n_points)
+      real(dp), intent(out) :: block(3, 3) !! as of `find_block` [F/L]
+      real(dp), intent(in) :: law(3, 3, 3, 3) !! as there [F/L^2]
+      integer, intent(in) :: room !! number of functions that there is room for
+      integer, intent(in) :: n_points !! number of points
+      real(dp), intent(in) :: gradient(room, 3, n_points) !! slopes of the functions [1/L]
+      real(dp), intent(in) :: volume(n_points) !! volumes of the points [L^3]
+      integer, intent(in) :: i !! the first function
+      integer, intent(in) :: j !! the second one
+      integer, intent(in) :: n_slopes !! number of slopes, 2 or 3
+      integer, intent(in) :: n_components !! number of components of a displacement
+      real(dp) :: products(3, 3), own(3), xx, yx, xy, yy
+      integer :: k, l, point
 
-      n = size(rows, 2)/3
-      products(:, :, :n) = 0.0_dp
-      do point = 1, geometry%n_points
-         own = geometry%volume(point)*geometry%gradient(:, i, point)
-         do j = 1, n
-            do l = 1, 3
-               products(:, l, j) = products(:, l, j) + own*geometry%gradient(l, j, point)
+      if (n_slopes == 2) then
+         xx = 0.0_dp
+         yx = 0.0_dp
+         xy = 0.0_dp
+         yy = 0.0_dp
+         do point = 1, n_points
+            xx = xx + volume(point)*gradient(i, 1, point)*gradient(j, 1, point)
+            yx = yx + volume(point)*gradient(i, 2, point)*gradient(j, 1, point)
+            xy = xy + volume(point)*gradient(i, 1, point)*gradient(j, 2, point)
+            yy = yy + volume(point)*gradient(i, 2, point)*gradient(j, 2, point)
+         end do
+         do l = 1, 2
+            do k = 1, 2
+               block(k, l) = law(1, 1, k, l)*xx + law(2, 1, k, l)*yx + law(1, 2, k, l)*xy + law(2, 2, k, l)*yy
             end do
          end do
-      end do
-      do j = 1, n
+         return
+      end if
+      products = 0.0_dp
+      do point = 1, n_points
+         own = volume(point)*gradient(i, :, point)
          do l = 1, 3
-            do k = 1, 3
-               rows(k, 3*j - 3 + l) = 0.0_dp
-               do m = 1, 3
-                  rows(k, 3*j - 3 + l) = rows(k, 3*j - 3 + l) + dot_product(products(:, m, j), &
-                     law(strain_of(:, k), strain_of(m, l)))
+            products(:, l) = products(:, l) + own*gradient(j, l, point)
+         end do
+      end do
+      do l = 1, n_components
+         do k = 1, n_components
+            associate (c => law(:, :, k, l))
+               block(k, l) = dot_product(c(:, 1), products(:, 1)) + dot_product(c(:, 2), products(:, 2)) &
+                  + dot_product(c(:, 3), products(:, 3))
+            end associate
+         end do
+      end do
+   end subroutine sum_products
+
+   !> Number of slopes of a function that strains are made of: its gradient, and in a body of revolution the function
+   !> over the radius.
+   pure integer function n_slopes(geometry, material)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+
+      n_slopes = merge(3, geometry%n_dim, material%is_axisymmetric)
+   end function n_slopes
+
+   !> The law of the slopes: what slope a of component k bears where component l has slope b (a, b, k, l) [F/L^2]. With
+   !> a projected dilatation it is that of the deviator, whose lambda is -2/3 mu.
+   pure function law_of_slopes(geometry, material) result(law)
+      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
+      type(material_t), intent(in) :: material !! its material
+      real(dp) :: law(3, 3, 3, 3)
+      ! The strain that each slope of a component makes, 0 for none (slope, component): around the axis those of w are
+      ! w,y and w,x - w/x.
+      integer, parameter :: in_space(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3]), &
+         around(3, 3) = reshape([1, 4, 3, 4, 2, 0, 6, 5, -6], [3, 3])
+      real(dp) :: of_strains(n_strains, n_strains)
+      integer :: a, b, k, l, strain(3, 3)
+
+      of_strains = material%law
+      if (geometry%n_modes > 0) of_strains = isotropic_law(-2.0_dp*material%mu/3.0_dp, material%mu)
+      strain = around
+      if (geometry%n_dim == 3) strain = in_space
+      do l = 1, material%n_components
+         do k = 1, material%n_components
+            do b = 1, n_slopes(geometry, material)
+               do a = 1, n_slopes(geometry, material)
+                  law(a, b, k, l) = 0.0_dp
+                  if (strain(a, k)*strain(b, l) /= 0) law(a, b, k, l) = sign(1, strain(a, k)*strain(b, l)) &
+                     *of_strains(abs(strain(a, k)), abs(strain(b, l)))
                end do
             end do
-            do m = 1, geometry%n_modes
-               rows(:, 3*j - 3 + l) = rows(:, 3*j - 3 + l) + material%bulk()*geometry%projection%dilatation(:, i, m) &
-                  *geometry%projection%dilatation(l, j, m)
-            end do
          end do
       end do
-   end subroutine find_solid_rows
-
-   !> Stiffness between two nodes that move around the axis: their shears, w,y of y and w,x - w/x of x with this
-   !> direction, change no volume and meet no others [F/L].
-   pure real(dp) function twist_stiffness(geometry, law, i, j) result(stiffness)
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      real(dp), intent(in) :: law(n_strains, n_strains) !! its law [F/L^2]
-      integer, intent(in) :: i !! node of the row
-      integer, intent(in) :: j !! node of the column
-      real(dp) :: a(2), b(2)
-      integer :: point
-
-      stiffness = 0.0_dp
-      do point = 1, geometry%n_points
-         a = twist_shears(geometry, i, point)
-         b = twist_shears(geometry, j, point)
-         stiffness = stiffness + geometry%volume(point)*(law(5, 5)*a(1)*b(1) + law(6, 6)*a(2)*b(2))
-      end do
-   end function twist_stiffness
+   end function law_of_slopes
 
    !> The shears yz and xz that a unit displacement of a node around the axis makes [1/L].
    pure function twist_shears(geometry, node, point) result(shears)
@@ -474,107 +458,9 @@ contains
       integer, intent(in) :: point !! the quadrature point
       real(dp) :: shears(2)
 
-      shears(1) = geometry%gradient(2, node, point)
-      shears(2) = geometry%gradient(1, node, point) - geometry%hoop(node, point)
+      shears(1) = geometry%gradient(node, 2, point)
+      shears(2) = geometry%gradient(node, 1, point) - geometry%gradient(node, 3, point)
    end function twist_shears
-
-   !> The law of the strains at a point: with a projected dilatation that of their deviator, whose lambda is -2/3 mu
-   !> [F/L^2].
-   pure function element_law(geometry, material) result(law)
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      type(material_t), intent(in) :: material !! its material
-      real(dp) :: law(n_strains, n_strains)
-
-      law = material%law
-      if (geometry%n_modes > 0) law = isotropic_law(-2.0_dp*material%mu/3.0_dp, material%mu)
-   end function element_law
-
-   !> Stiffness between two shape functions: sum over the points of volume times B_i^T D B_j, D the law and B the
-   !> strains of unit displacements. Each mode b of a projected dilatation adds the bulk modulus times b_i b_j^T.
-   pure subroutine find_block(block, geometry, material, law, i, j)
-      real(dp), intent(out) :: block(2, 2) !! the stiffness [F/L]
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      type(material_t), intent(in) :: material !! its material
-      real(dp), intent(in) :: law(n_strains, n_strains) !! its law, from `element_law` [F/L^2]
-      integer, intent(in) :: i !! function of the rows
-      integer, intent(in) :: j !! function of the columns
-      real(dp) :: xx, xy, yx, yy
-      integer :: m
-
-      call sum_products(xx, xy, yx, yy, geometry%gradient, geometry%volume, i, j, size(geometry%values, 1), &
-         geometry%n_points)
-      block(1, 1) = law(1, 1)*xx + law(4, 4)*yy + law(4, 1)*(xy + yx)
-      block(2, 1) = law(2, 1)*yx + law(4, 4)*xy + law(4, 2)*yy + law(4, 1)*xx
-      block(1, 2) = law(2, 1)*xy + law(4, 4)*yx + law(4, 2)*yy + law(4, 1)*xx
-      block(2, 2) = law(2, 2)*yy + law(4, 4)*xx + law(4, 2)*(xy + yx)
-      if (material%is_axisymmetric) call add_hoop_stiffness(block, law(:4, 3), geometry%gradient, geometry%hoop, &
-         geometry%volume, i, j, size(geometry%values, 1), geometry%n_points)
-      do m = 1, geometry%n_modes
-         associate (a => geometry%projection%dilatation(:, i, m), b => geometry%projection%dilatation(:, j, m))
-            block(:, 1) = block(:, 1) + material%bulk()*(a*b(1))
-            block(:, 2) = block(:, 2) + material%bulk()*(a*b(2))
-         end associate
-      end do
-   end subroutine find_block
-
-   !> Sums the products of the gradients of two functions over the points of a plane element.
-   ! allow(S902): as above
-   pure subroutine sum_products(xx, xy, yx, yy, gradient, volume, i, j, n, n_points)
-      real(dp), intent(out) :: xx !! sum of volume times d_x N_i d_x N_j [L]
-      real(dp), intent(out) :: xy !! of volume times d_x N_i d_y N_j [L]
-      real(dp), intent(out) :: yx !! of volume times d_y N_i d_x N_j [L]
-      real(dp), intent(out) :: yy !! of volume times d_y N_i d_y N_j [L]
-      integer, intent(in) :: i !! the first function
-      integer, intent(in) :: j !! the second one
-      integer, intent(in) :: n !! number of functions that there is room for
-      integer, intent(in) :: n_points !! number of points
-      real(dp), intent(in) :: gradient(2, n, n_points) !! the gradients [1/L]
-      real(dp), intent(in) :: volume(n_points) !! the volumes [L^3]
-      integer :: point
-
-      xx = 0.0_dp
-      xy = 0.0_dp
-      yx = 0.0_dp
-      yy = 0.0_dp
-      do point = 1, n_points
-         associate (a => gradient(:, i, point), b => gradient(:, j, point))
-            xx = xx + volume(point)*a(1)*b(1)
-            xy = xy + volume(point)*a(1)*b(2)
-            yx = yx + volume(point)*a(2)*b(1)
-            yy = yy + volume(point)*a(2)*b(2)
-         end associate
-      end do
-   end subroutine sum_products
-
-   !> Adds the contribution of the hoop strain u_r / r to the stiffness between two nodes.
-   ! allow(S902): as above
-   pure subroutine add_hoop_stiffness(block, law, gradient, functions, volume, i, j, n, n_points)
-      integer, intent(in) :: i !! node of the rows
-      integer, intent(in) :: j !! node of the columns
-      integer, intent(in) :: n !! number of functions that there is room for
-      integer, intent(in) :: n_points !! number of points
-      real(dp), intent(inout) :: block(2, 2) !! stiffness between the nodes [F/L]
-      real(dp), intent(in) :: law(4) !! stresses of a unit hoop strain [F/L^2]
-      real(dp), intent(in) :: gradient(2, n, n_points) !! gradients of the functions [1/L]
-      real(dp), intent(in) :: functions(n, n_points) !! the functions over the radius [1/L]
-      real(dp), intent(in) :: volume(n_points) !! volumes of the points [L^3]
-      real(dp) :: a_by_hoop(2), hoop_by_b(2), hoop_by_hoop, hoop(2)
-      integer :: point
-
-      a_by_hoop = 0.0_dp
-      hoop_by_b = 0.0_dp
-      hoop_by_hoop = 0.0_dp
-      do point = 1, n_points
-         hoop = [functions(i, point), functions(j, point)]
-         a_by_hoop = a_by_hoop + volume(point)*hoop(2)*gradient(:, i, point)
-         hoop_by_b = hoop_by_b + volume(point)*hoop(1)*gradient(:, j, point)
-         hoop_by_hoop = hoop_by_hoop + volume(point)*hoop(1)*hoop(2)
-      end do
-      block(1, 1) = block(1, 1) + law(1)*(a_by_hoop(1) + hoop_by_b(1)) + law(4)*(a_by_hoop(2) + hoop_by_b(2)) &
-         + law(3)*hoop_by_hoop
-      block(2, 1) = block(2, 1) + law(2)*a_by_hoop(2) + law(4)*a_by_hoop(1)
-      block(1, 2) = block(1, 2) + law(2)*hoop_by_b(2) + law(4)*hoop_by_b(1)
-   end subroutine add_hoop_stiffness
 
    !> Computes the elastic strains at all quadrature points.
    pure subroutine find_elastic_strains(geometry, material, displacement, strain)
@@ -633,12 +519,8 @@ contains
       integer :: i, m
 
       strain = 0.0_dp
-      call add_strains(strain, geometry%gradient(1, 1, point), u, n_dim, n_functions)
-      if (material%is_axisymmetric) then
-         do i = 1, n_functions
-            strain(3) = strain(3) + geometry%hoop(i, point)*u(1, i)
-         end do
-      end if
+      call add_strains(strain, geometry%gradient(1, 1, point), u, n_dim, n_functions, material%is_axisymmetric, &
+         size(geometry%values, 1))
       if (geometry%n_modes > 0) then
          excess = strain(1) + strain(2) + strain(3)
          do m = 1, geometry%n_modes
@@ -652,48 +534,50 @@ contains
          - geometry%thermal_strain(point)*material%expansion_form()
    end function strain_at
 
-   !> Adds the strains of displacements, but for that of a hoop.
-   pure subroutine add_strains(strain, gradient, u, n_dim, n)
+   !> Adds the strains of displacements in the dimensions of the mesh.
+   pure subroutine add_strains(strain, gradient, u, n_dim, n, is_round, room)
       integer, intent(in) :: n_dim !! number of dimensions
       integer, intent(in) :: n !! number of functions
       real(dp), intent(inout) :: strain(n_strains) !! the strain; gains these [-]
-      real(dp), intent(in) :: gradient(n_dim, n) !! gradients of the functions [1/L]
+      logical, intent(in) :: is_round !! whether the body is one of revolution
+      integer, intent(in) :: room !! number of functions that there is room for
+      real(dp), intent(in) :: gradient(room, 3) !! gradients of the functions, as of `element_geometry_t` [1/L]
       real(dp), intent(in) :: u(n_dim, n) !! the displacements [L]
       integer :: i
 
       do i = 1, n
-         associate (g => gradient(:, i))
-            strain(1) = strain(1) + g(1)*u(1, i)
-            strain(2) = strain(2) + g(2)*u(2, i)
-            strain(4) = strain(4) + (g(2)*u(1, i) + g(1)*u(2, i))
-            if (n_dim == 2) cycle
-            strain(3) = strain(3) + g(3)*u(3, i)
-            strain(5) = strain(5) + (g(3)*u(2, i) + g(2)*u(3, i))
-            strain(6) = strain(6) + (g(3)*u(1, i) + g(1)*u(3, i))
-         end associate
+         strain(1) = strain(1) + gradient(i, 1)*u(1, i)
+         strain(2) = strain(2) + gradient(i, 2)*u(2, i)
+         strain(4) = strain(4) + (gradient(i, 2)*u(1, i) + gradient(i, 1)*u(2, i))
+         if (is_round) strain(3) = strain(3) + gradient(i, 3)*u(1, i)
+         if (n_dim == 2) cycle
+         strain(3) = strain(3) + gradient(i, 3)*u(3, i)
+         strain(5) = strain(5) + (gradient(i, 3)*u(2, i) + gradient(i, 2)*u(3, i))
+         strain(6) = strain(6) + (gradient(i, 3)*u(1, i) + gradient(i, 1)*u(3, i))
       end do
    end subroutine add_strains
 
-   !> Adds the nodal forces of a stress at a point, but for those of a hoop.
-   pure subroutine add_forces(forces, s, gradient, n_dim, n)
+   !> Adds the nodal forces of a stress at a point in the dimensions of the mesh.
+   pure subroutine add_forces(forces, s, gradient, n_dim, n, is_round, room)
       integer, intent(in) :: n_dim !! number of dimensions
       integer, intent(in) :: n !! number of functions
       real(dp), intent(inout) :: forces(max_components, n) !! the forces; gain these [F]
       real(dp), intent(in) :: s(n_strains) !! stress times volume [F L]
-      real(dp), intent(in) :: gradient(n_dim, n) !! gradients of the functions [1/L]
+      logical, intent(in) :: is_round !! whether the body is one of revolution
+      integer, intent(in) :: room !! number of functions that there is room for
+      real(dp), intent(in) :: gradient(room, 3) !! gradients of the functions, as of `element_geometry_t` [1/L]
       integer :: i
 
       do i = 1, n
-         associate (g => gradient(:, i))
-            if (n_dim == 2) then
-               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(4)*g(2))
-               forces(2, i) = forces(2, i) + (s(4)*g(1) + s(2)*g(2))
-            else
-               forces(1, i) = forces(1, i) + (s(1)*g(1) + s(4)*g(2) + s(6)*g(3))
-               forces(2, i) = forces(2, i) + (s(4)*g(1) + s(2)*g(2) + s(5)*g(3))
-               forces(3, i) = forces(3, i) + (s(6)*g(1) + s(5)*g(2) + s(3)*g(3))
-            end if
-         end associate
+         if (n_dim == 2) then
+            forces(1, i) = forces(1, i) + (s(1)*gradient(i, 1) + s(4)*gradient(i, 2))
+            forces(2, i) = forces(2, i) + (s(4)*gradient(i, 1) + s(2)*gradient(i, 2))
+            if (is_round) forces(1, i) = forces(1, i) + s(3)*gradient(i, 3)
+         else
+            forces(1, i) = forces(1, i) + (s(1)*gradient(i, 1) + s(4)*gradient(i, 2) + s(6)*gradient(i, 3))
+            forces(2, i) = forces(2, i) + (s(4)*gradient(i, 1) + s(2)*gradient(i, 2) + s(5)*gradient(i, 3))
+            forces(3, i) = forces(3, i) + (s(6)*gradient(i, 1) + s(5)*gradient(i, 2) + s(3)*gradient(i, 3))
+         end if
       end do
    end subroutine add_forces
 
@@ -711,11 +595,8 @@ contains
       forces(:, :geometry%n_functions) = 0.0_dp
       do point = 1, geometry%n_points
          s = stress(:, point)*geometry%volume(point)
-         call add_forces(forces, s, geometry%gradient(1, 1, point), geometry%n_dim, geometry%n_functions)
-         if (.not. material%is_axisymmetric) cycle
-         do i = 1, geometry%n_functions
-            forces(1, i) = forces(1, i) + s(3)*geometry%hoop(i, point)
-         end do
+         call add_forces(forces, s, geometry%gradient(1, 1, point), geometry%n_dim, geometry%n_functions, &
+            material%is_axisymmetric, size(geometry%values, 1))
          if (.not. material%is_twisted) cycle
          do i = 1, geometry%n_nodes
             forces(3, i) = forces(3, i) + dot_product(s(5:), twist_shears(geometry, i, point))

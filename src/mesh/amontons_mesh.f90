@@ -6,7 +6,7 @@
 !> cache. If the elements are numbered at random, so that all chunks share nodes, every element is a chunk of its own.
 module amontons_mesh
    use amontons_element, only: corner_kind, is_solid, jacobian_degree, line_ends, mapped_square, max_face_nodes, &
-      max_nodes, n_corners, n_element_nodes, n_side_corners, n_sides, shape_functions, side_nodes
+      max_nodes, n_corners, n_element_nodes, n_side_corners, n_sides, quad9, shape_functions, side_nodes
    use amontons_error, only: error_t, input_refused, new_error, warning_list_t
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp, int64
@@ -167,9 +167,7 @@ contains
       integer :: axis, i, k, kind, n, m, n_dim, n_nodes
 
       kind = self%element_kind(element)
-      if (is_solid(kind)) then
-         if (is_straight(self, element)) kind = corner_kind(kind)
-      end if
+      if (is_straight(self, element)) kind = corner_kind(kind)
       n = jacobian_degree(kind) + 1
       n_dim = size(self%coordinates, 1)
       m = n**(n_dim - 1)
@@ -229,22 +227,25 @@ contains
       end do
    end subroutine new_jacobian_references
 
-   !> Whether the nodes between the corners of an element lie in the middle between two of them, but for rounding.
+   !> Whether the nodes between the corners of an element lie in the middle between two of them, but for rounding, and
+   !> none inside.
    pure logical function is_straight(mesh, element)
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: element !! number of the element
-      integer :: i, n
+      integer :: axis, ends(2), first, i
 
-      associate (kind => mesh%element_kind(element), nodes => mesh%node(mesh%node_start(element): &
-         mesh%node_start(element + 1) - 1))
-         n = n_corners(kind)
-         is_straight = .true.
-         do i = n + 1, size(nodes)
-            associate (x => mesh%coordinates(:, nodes([line_ends(kind, i - n), i])))
-               is_straight = all(abs(x(:, 1) + x(:, 2) - 2.0_dp*x(:, 3)) &
-                  <= difference_rounding*(abs(x(:, 1)) + abs(x(:, 2))))
-            end associate
+      associate (kind => mesh%element_kind(element))
+         is_straight = kind /= quad9
+         first = mesh%node_start(element) - 1
+         do i = n_corners(kind) + 1, n_element_nodes(kind)
             if (.not. is_straight) return
+            ends = mesh%node(first + line_ends(kind, i - n_corners(kind)))
+            do axis = 1, size(mesh%coordinates, 1)
+               associate (a => mesh%coordinates(axis, ends(1)), b => mesh%coordinates(axis, ends(2)), &
+                  middle => mesh%coordinates(axis, mesh%node(first + i)))
+                  is_straight = is_straight .and. abs(a + b - 2.0_dp*middle) <= difference_rounding*(abs(a) + abs(b))
+               end associate
+            end do
          end do
       end associate
    end function is_straight

@@ -7,7 +7,7 @@
 ! allow(S271): gfortran 12 fails if the modules are in order
 module amontons_solve_case
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: sum_uncanceled_terms
+   use amontons_assembly, only: uncanceled_force
    use amontons_auto, only: auto_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_body, only: body_t, condense_body, new_body
@@ -309,7 +309,7 @@ contains
       real(dp), parameter :: few_digits = 1.0e-6_dp ! of imbalances: six correct digits of a force
       ! A condition number that costs less than half of the digits explains nothing.
       real(dp), parameter :: explaining = 1.0e8_dp
-      real(dp) :: condition, forces, strained_share, uncanceled
+      real(dp) :: condition, forces
 
       call recover_with_travel(result%displacement, body, result%load_case, result%solution%displacement, &
          result%solution%force)
@@ -332,9 +332,7 @@ contains
       forces = max(norm2(result%load_case%force), norm2(result%solution%force))
       if (forces > 0.0_dp .and. .not. (any(abs(result%load_case%prescribed) > 0.0_dp) .or. &
          any(result%load_case%loads%target == load_by_temperature))) then
-         call sum_uncanceled_terms(body%mesh, body%materials, result%displacement, abs(result%displacement), &
-            uncanceled, strained_share)
-         condition = max(condition, uncanceled/forces)
+         condition = max(condition, uncanceled_force(body%mesh, body%materials, abs(result%displacement))/forces)
       end if
       if (condition > explaining) result%condition = min(condition, huge(1.0_dp))
    end subroutine certify

@@ -2,7 +2,7 @@
 !> alone; and the sums of nodal forces and their work that it needs, computed in one pass.
 module amontons_certificate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use amontons_assembly, only: inner_work, spring_forces, sum_uncanceled_terms
+   use amontons_assembly, only: inner_work, is_strained, spring_forces, uncanceled_force
    use amontons_body, only: body_t, find_motions
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t
@@ -102,7 +102,7 @@ contains
          !! nodal forces that the stresses amount to, from `new_stress_field`, if known (components, n_nodes) [F]
       real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:), named(:)
       type(node_sums_t) :: sums
-      real(dp) :: force_size, least_scale, strained_share, uncanceled, work
+      real(dp) :: force_size, least_scale, work
       integer :: i, node
 
       springs = spring_forces(body%mesh%n_nodes, body%springs, displacement)
@@ -170,13 +170,11 @@ contains
          ! Rounding errors of displacements far larger than their differences are no imbalance, as long as resultants
          ! and energy are not affected: a share of |K| |u| is a scale, too.
          if (certificate%equilibrium > suspicious*max(force_size, least_scale)) then
-            call sum_uncanceled_terms(body%mesh, body%materials, displacement, magnitudes(body, displacement), &
-               uncanceled, strained_share)
-            force_size = max(force_size, rounding_share*uncanceled)
+            force_size = max(force_size, rounding_share*uncanceled_force(body%mesh, body%materials, &
+               magnitudes(body, displacement)))
             ! Gaps, and displacements with them, have the rounding errors of coordinates.
-            call sum_uncanceled_terms(body%mesh, body%materials, displacement, 0.0_dp*displacement &
-               + maxval(abs(body%mesh%coordinates)), uncanceled, strained_share)
-            least_scale = max(least_scale, coordinate_share*uncanceled)
+            least_scale = max(least_scale, coordinate_share*uncanceled_force(body%mesh, body%materials, &
+               0.0_dp*displacement + maxval(abs(body%mesh%coordinates))))
          end if
          certificate%equilibrium = relative(certificate%equilibrium, max(force_size, least_scale))
          certificate%strain_energy = 0.5_dp*sums%internal_work
@@ -245,7 +243,7 @@ contains
       ! Forces that are a larger share of those on other pieces need no separate scale.
       real(dp), parameter :: least_share = 1.0e-5_dp
       real(dp), allocatable :: moved(:, :), magnitude(:, :)
-      real(dp) :: size_here, strained_share, uncanceled
+      real(dp) :: size_here, uncanceled
 
       scale = 0.0_dp
       size_here = max(maxval(abs(reaction(:, nodes))), maxval(abs(contact(:, nodes))))
@@ -258,9 +256,11 @@ contains
       associate (of_all => magnitudes(body, displacement))
          magnitude(:, nodes) = of_all(:, nodes)
       end associate
-      call sum_uncanceled_terms(body%mesh, body%materials, moved, magnitude, uncanceled, strained_share)
-      if (size_here > rounding*uncanceled .or. (strained_share > negligible_share .and. .not. is_heated)) return
-      scale = rounding_share*uncanceled
+      if (.not. is_heated) then
+         if (is_strained(body%mesh, body%materials, moved, maxval(magnitude), negligible_share)) return
+      end if
+      uncanceled = uncanceled_force(body%mesh, body%materials, magnitude)
+      if (size_here <= rounding*uncanceled) scale = rounding_share*uncanceled
    end function resting_scale
 
    !> Magnitudes of the nodal displacements; for slaves those of the terms of their sums. The displacement of a body at
