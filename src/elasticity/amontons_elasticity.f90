@@ -451,17 +451,6 @@ contains
       end do
    end function law_of_slopes
 
-   !> The shears yz and xz that a unit displacement of a node around the axis makes [1/L].
-   pure function twist_shears(geometry, node, point) result(shears)
-      type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
-      integer, intent(in) :: node !! the node
-      integer, intent(in) :: point !! the quadrature point
-      real(dp) :: shears(2)
-
-      shears(1) = geometry%gradient(node, 2, point)
-      shears(2) = geometry%gradient(node, 1, point) - geometry%gradient(node, 3, point)
-   end function twist_shears
-
    !> Computes the elastic strains at all quadrature points.
    pure subroutine find_elastic_strains(geometry, material, displacement, strain)
       type(element_geometry_t), intent(in) :: geometry !! the element's shape functions
@@ -476,7 +465,10 @@ contains
          strain(:, point) = strain_at(geometry, material, u, geometry%n_dim, geometry%n_functions, point)
          if (.not. material%is_twisted) cycle
          do i = 1, geometry%n_nodes
-            strain(5:, point) = strain(5:, point) + twist_shears(geometry, i, point)*displacement(3, geometry%node(i))
+            associate (gradient => geometry%gradient(i, :, point))
+               strain(5:, point) = strain(5:, point) + [gradient(2), gradient(1) - gradient(3)] &
+                  *displacement(3, geometry%node(i))
+            end associate
          end do
       end do
    end subroutine find_elastic_strains
@@ -599,7 +591,9 @@ contains
             material%is_axisymmetric, size(geometry%values, 1))
          if (.not. material%is_twisted) cycle
          do i = 1, geometry%n_nodes
-            forces(3, i) = forces(3, i) + dot_product(s(5:), twist_shears(geometry, i, point))
+            associate (gradient => geometry%gradient(i, :, point))
+               forces(3, i) = forces(3, i) + dot_product(s(5:), [gradient(2), gradient(1) - gradient(3)])
+            end associate
          end do
       end do
       associate (n => geometry%n_nodes, d => geometry%n_dim)

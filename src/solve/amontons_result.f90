@@ -186,13 +186,6 @@ contains
       has_bar = convergence%verdict /= absent
    end function has_bar
 
-   !> Whether the number appears to have a limit.
-   elemental logical function has_limit(convergence)
-      type(convergence_t), intent(in) :: convergence !! the judgment
-
-      has_limit = convergence%verdict /= slow .and. convergence%verdict /= diverging
-   end function has_limit
-
    !> The behavior that two successive changes indicate; slow convergence counts as convergence.
    pure integer function verdict(before, last, rounding)
       real(dp), intent(in) :: before !! change from the last mesh but two to the last but one
@@ -309,7 +302,7 @@ contains
          result%convergence(i)%quantity = list(i)
          call new_convergence(result%convergence(i)%convergence, values(i, :), list(i)%resolution*side, &
             result_rounding*max(maxval(abs(values(i, :))), list(i)%scale))
-         if (list(i)%n_dim == 0 .or. has_limit(result%convergence(i)%convergence)) cycle
+         if (list(i)%n_dim == 0 .or. all(result%convergence(i)%convergence%verdict /= [slow, diverging])) cycle
          node = body%mesh%nearest_node(list(i)%place(:list(i)%n_dim))
          if (any(is_beside(max(1, node):node))) names = names//', '//trim(list(i)%label)//' at '// &
             vector_text(list(i)%place(:list(i)%n_dim))
