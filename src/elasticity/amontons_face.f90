@@ -2,8 +2,8 @@
 !> over its points.
 module amontons_face
    use amontons_dense, only: vector_product
-   use amontons_element, only: max_nodes, n_fine_points, n_side_points, quad4, quad8, quadrature_point, &
-      shape_functions, side_abscissa, side_shapes, side_weight, tri3, tri6
+   use amontons_element, only: max_nodes, n_corners, n_fine_points, n_side_points, node_coordinates, quad4, quad8, &
+      quadrature_point, shape_functions, side_abscissa, side_shapes, side_weight, tri3, tri6
    use amontons_error, only: error_t
    use amontons_kinds, only: dp
    use amontons_material, only: materials_t
@@ -11,7 +11,7 @@ module amontons_face
    implicit none (type, external)
    private
 
-   public :: face_kind, face_t, new_face, place_side, set_faces
+   public :: center_shapes, face_kind, face_t, new_face, place_face, place_side, set_faces
 
    !> A face with what is integrated over it at its Gauss points, exact for products of quadratic functions on a line or
    !> a plane.
@@ -114,6 +114,55 @@ contains
          normal(:, k) = [along(2), -along(1)]/norm2(along)
       end do
    end subroutine place_side
+
+   !> Evaluates a face in space at its corners and in its middle.
+   pure subroutine place_face(position, normal, nodes, coordinates)
+      real(dp), intent(out) :: position(:, :) !! coordinates of the places (3, corners + 1) [L]
+      real(dp), intent(out) :: normal(:, :) !! unit outward normals there (3, corners + 1) [-]
+      integer, intent(in) :: nodes(:) !! its nodes, as of `mesh_side`
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (3, n_nodes) [L]
+      real(dp) :: values(max_nodes), derivatives(2, max_nodes), tangents(3, 2)
+      integer :: k, n
+
+      n = count(nodes > 0)
+      do k = 1, size(position, 2)
+         call shape_functions(face_kind(n), face_place(n, k), values, derivatives)
+         position(:, k) = matmul(coordinates(:, nodes(:n)), values(:n))
+         tangents = matmul(coordinates(:, nodes(:n)), transpose(derivatives(:, :n)))
+         normal(:, k) = vector_product(tangents(:, 1), tangents(:, 2))
+         normal(:, k) = normal(:, k)/norm2(normal(:, k))
+      end do
+   end subroutine place_face
+
+   !> Reference coordinates of a corner of a face in space, or of its center behind the last [-].
+   pure function face_place(n_nodes, place) result(xi)
+      integer, intent(in) :: n_nodes !! number of nodes of the face
+      integer, intent(in) :: place !! number of the corner
+      real(dp) :: xi(2)
+
+      associate (kind => face_kind(n_nodes))
+         if (place <= n_corners(kind)) then
+            xi = node_coordinates(kind, place)
+         else
+            xi = merge(1.0_dp/3.0_dp, 0.0_dp, n_corners(kind) == 3)
+         end if
+      end associate
+   end function face_place
+
+   !> The shape functions of a side in its middle, those of its corners first [-].
+   pure function center_shapes(n_nodes, n_dim) result(values)
+      integer, intent(in) :: n_nodes !! number of nodes of the side
+      integer, intent(in) :: n_dim !! number of dimensions
+      real(dp) :: values(max_nodes)
+      real(dp) :: derivatives(2, max_nodes), slopes(3)
+
+      if (n_dim == 2) then
+         values = 0.0_dp
+         call side_shapes(n_nodes > 2, 0.0_dp, values(:3), slopes)
+      else
+         call shape_functions(face_kind(n_nodes), face_place(n_nodes, n_nodes + 1), values, derivatives)
+      end if
+   end function center_shapes
 
    !> Sets shape functions, positions and area vectors at the points of a face in space.
    pure subroutine integrate_face(face, x)

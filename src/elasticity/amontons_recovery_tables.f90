@@ -7,9 +7,9 @@
 module amontons_recovery_tables
    use amontons_constraints, only: constraints_t, spring_side_t
    use amontons_elasticity, only: element_geometry_t, new_element_geometry
-   use amontons_element, only: n_corners, n_sampling_points
-   use amontons_face, only: place_side
-   use amontons_frame, only: turned
+   use amontons_element, only: max_face_nodes, max_nodes, n_corners, n_sampling_points, n_side_corners
+   use amontons_face, only: center_shapes, place_face, place_side
+   use amontons_frame, only: new_frame
    use amontons_integer_list, only: integer_list_t, new_tag_map, tag_map_t
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_sides, load_t
@@ -23,14 +23,15 @@ module amontons_recovery_tables
       new_boundary_sides, new_patch_table, new_recovery_tables, patch_table_t, recovery_tables_t, samples_t, &
       solve_normal, sum_samples
 
-   !> The traction on a side of the boundary, at its first corner, its second corner and its middle.
+   !> The traction on a side of the boundary, at its corners and in its middle. In the plane z is 0.
    type :: known_traction_t
-      integer :: node(3) = 0 !! first corner, second corner, middle or 0; the body is on the left
+      integer :: n_corners = 2 !! number of corners; the middle is the place behind them
+      integer :: node(max_face_nodes) = 0 !! its nodes, as of `mesh_side`, then 0
       integer :: element = 0 !! the element of the side
-      real(dp) :: position(2, 3) = 0.0_dp !! coordinates of the three places [L]
-      real(dp) :: normal(2, 3) = 0.0_dp !! unit outward normal there [-]
-      logical :: is_known(2) = .true. !! whether the traction along normal and tangent (-n_y, n_x) is known
-      real(dp) :: traction(2, 3) = 0.0_dp !! force per area along x and y at the three places [F/L^2]
+      real(dp) :: position(3, 5) = 0.0_dp !! coordinates of the places [L]
+      real(dp) :: normal(3, 5) = 0.0_dp !! unit outward normal there [-]
+      logical :: is_known(3) = .true. !! whether the traction along normal and tangents, of `new_frame`, is known
+      real(dp) :: traction(3, 5) = 0.0_dp !! force per area at the places [F/L^2]
    end type known_traction_t
 
    !> The sides of the boundary.
@@ -43,10 +44,11 @@ module amontons_recovery_tables
       procedure :: add_nodal => known_tractions_add_nodal
    end type known_tractions_t
 
-   !> Terms of the largest polynomial: 1, x, y, x^2, x y, y^2, x^2 y, x y^2, x^2 y^2.
-   integer, parameter :: max_terms = 9
+   !> Most terms of a polynomial: 1, x, y, x^2, x y, y^2, x^2 y, x y^2, x^2 y^2; in space 1, x, y, z, x^2, y^2, x y, y z,
+   !> z x, z^2.
+   integer, parameter :: max_terms = 10
    !> Terms of the polynomial of each kind of element: linear; quadratic, of quadrilaterals in x and in y.
-   integer, parameter :: n_kind_terms(*) = [3, 3, 6, 9, 9]
+   integer, parameter :: n_kind_terms(*) = [3, 3, 6, 9, 9, 4, 10, 4, 10]
 
    !> Weight of a sample of an element that was added to a patch with too few: such samples determine only the
    !> coefficients that near ones leave open.
@@ -61,25 +63,28 @@ module amontons_recovery_tables
    !> special treatment. For a linear polynomial the samples have this property instead, and the normal matrix is a
    !> multiple of the identity.
    type :: frame_t
-      real(dp) :: center(2) = 0.0_dp !! mean of the points that are spread [L]
-      real(dp) :: scale(2, 2) = 0.0_dp !! distance from the center to coordinates of the polynomial [1/L]
+      real(dp) :: center(3) = 0.0_dp !! mean of the points that are spread [L]
+      real(dp) :: scale(3, 3) = 0.0_dp !! distance from the center to coordinates of the polynomial [1/L]
       integer :: n_terms = 1 !! terms of the polynomial
+      integer :: n_dim = 2 !! number of dimensions
    end type frame_t
 
    !> The points of the elements where their stresses are most accurate.
    type :: samples_t
       integer, allocatable :: start(:) !! where the samples of an element begin (n_elements + 1)
-      real(dp), allocatable :: position(:, :) !! coordinates (2, n_samples) [L]
+      real(dp), allocatable :: position(:, :) !! coordinates (n_dim, n_samples) [L]
    end type samples_t
 
    !> Moments of weighted points about one of them.
    type :: moments_t
-      real(dp) :: origin(2) = 0.0_dp !! the point [L]
+      real(dp) :: origin(3) = 0.0_dp !! the point [L]
       real(dp) :: weight = 0.0_dp !! sum of the weights [-]
-      real(dp) :: first(2) = 0.0_dp !! of the distances along x and y [L]
+      real(dp) :: first(3) = 0.0_dp !! of the distances along x, y and z [L]
       real(dp) :: second(3) = 0.0_dp !! of their products xx, xy, yy [L^2]
+      real(dp) :: depth(3) = 0.0_dp !! of their products xz, yz, zz, in space [L^2]
    contains
       procedure :: add => moments_add
+      procedure :: add_depth => moments_add_depth
       procedure :: covariance => moments_covariance
    end type moments_t
 
@@ -124,6 +129,7 @@ contains
       integer, intent(in) :: outer(:) !! numbers of the elements' sides on its boundary
       type(constraints_t), intent(in) :: constraints !! the supports
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
+      real(dp) :: position(2, 3), normal(2, 3)
       integer :: i
 
       call new_tag_map(tractions%place, outer)
@@ -131,9 +137,19 @@ contains
       do i = 1, size(outer)
          associate (side => tractions%side(i))
             side%element = side_element(outer(i))
-            side%node = mesh%side(side%element, side_place(outer(i)))
-            call place_side(side%position, side%normal, side%node, mesh%coordinates)
-            side%is_known = .not. (held(side, constraints, 1) .and. held(side, constraints, 2))
+            side%n_corners = n_side_corners(mesh%element_kind(side%element))
+            associate (nodes => mesh%side(side%element, side_place(outer(i))), n_dim => size(mesh%coordinates, 1), &
+               n => side%n_corners + 1)
+               side%node(:size(nodes)) = nodes
+               if (n_dim == 3) then
+                  call place_face(side%position(:, :n), side%normal(:, :n), nodes, mesh%coordinates)
+               else
+                  call place_side(position, normal, nodes, mesh%coordinates)
+                  side%position(:2, :3) = position
+                  side%normal(:2, :3) = normal
+               end if
+               side%is_known(:n_dim) = .not. held(side, constraints, n_dim, at_all=.true.)
+            end associate
          end associate
       end do
       do i = 1, size(springs)
@@ -148,20 +164,21 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       real(dp), intent(in), optional :: factor(:) !! what each load is multiplied by; 1 without it (loads) [-]
       real(dp) :: share
-      integer :: i, k, point
+      integer :: i, k, n_dim, point
 
       share = 1.0_dp
+      n_dim = size(mesh%coordinates, 1)
       do i = 1, size(loads)
          if (loads(i)%target /= load_on_sides) cycle
          if (present(factor)) share = factor(i)
          associate (load => loads(i), set => mesh%sets(find_set(mesh%sets, loads(i)%set)))
             do k = 1, size(set%element)
                associate (side => self%side(self%place%find(side_number(set%element(k), set%side(k)))))
-                  do point = 1, 3
-                     associate (x => side%position(:, point))
-                        side%traction(:, point) = side%traction(:, point) + share*(load%traction(:2) &
-                           + matmul(load%traction_slope(:2, :2), x) &
-                           - (load%pressure + dot_product(load%pressure_slope(:2), x))*side%normal(:, point))
+                  do point = 1, side%n_corners + 1
+                     associate (x => side%position(:n_dim, point), traction => side%traction(:n_dim, point))
+                        traction = traction + share*(load%traction(:n_dim) &
+                           + matmul(load%traction_slope(:n_dim, :n_dim), x) &
+                           - (load%pressure + dot_product(load%pressure_slope(:n_dim), x))*side%normal(:n_dim, point))
                      end associate
                   end do
                end associate
@@ -170,17 +187,26 @@ contains
       end do
    end subroutine known_tractions_add_loads
 
-   !> Whether supports hold normal and tangent of a side at one of its corners.
-   pure function held(side, constraints, corner)
+   !> Whether supports hold normal and tangents of a side at its corners.
+   pure function held(side, constraints, n_dim, at_all)
       type(known_traction_t), intent(in) :: side !! the side
       type(constraints_t), intent(in) :: constraints !! the supports
-      integer, intent(in) :: corner !! the corner, 1 or 2
-      logical :: held(2)
+      integer, intent(in) :: n_dim !! number of dimensions
+      logical, intent(in) :: at_all !! whether at all corners, or else at one of them
+      logical :: held(n_dim), is_held
+      real(dp) :: frame(n_dim, n_dim)
+      integer :: i, k
 
-      associate (normal => side%normal(:, 3), node => side%node(corner))
-         held = .not. [constraints%leaves_free(node, normal), constraints%leaves_free(node, turned(normal))] &
-            .or. constraints%rigid_of(node) > 0
-      end associate
+      frame = new_frame(side%normal(:n_dim, side%n_corners + 1), n_dim)
+      do i = 1, n_dim
+         do k = 1, side%n_corners
+            is_held = constraints%rigid_of(side%node(k)) > 0
+            if (.not. is_held) is_held = .not. constraints%leaves_free(side%node(k), frame(:, i))
+            ! The first corner that is not like the answer decides.
+            if (is_held .neqv. at_all) exit
+         end do
+         held(i) = is_held
+      end do
    end function held
 
    !> Adds a traction given at nodes, linear or quadratic between them, on the sides of a boundary set: that of contact,
@@ -190,18 +216,22 @@ contains
       type(mesh_t), intent(in) :: mesh !! the mesh
       type(constraints_t), intent(in) :: constraints !! the supports
       character(*), intent(in) :: set !! name of the boundary set
-      real(dp), intent(in) :: traction(:, :) !! force per area at the nodes of the mesh, x and y (2, n_nodes) [F/L^2]
-      real(dp) :: at_places(2, 3)
-      integer :: i
+      real(dp), intent(in) :: traction(:, :) !! force per area at the nodes of the mesh (n_dim, n_nodes) [F/L^2]
+      real(dp) :: shapes(max_nodes)
+      integer :: i, n, n_dim
 
+      n_dim = size(traction, 1)
       associate (set_sides => mesh%sets(find_set(mesh%sets, set)))
          do i = 1, size(set_sides%element)
             associate (side => self%side(self%place%find(side_number(set_sides%element(i), set_sides%side(i)))))
-               side%is_known = .not. (held(side, constraints, 1) .or. held(side, constraints, 2))
-               at_places(:, :2) = traction(:, side%node(:2))
-               at_places(:, 3) = 0.5_dp*(at_places(:, 1) + at_places(:, 2))
-               if (side%node(3) > 0) at_places(:, 3) = traction(:, side%node(3))
-               side%traction = side%traction + at_places
+               side%is_known(:n_dim) = .not. held(side, constraints, n_dim, at_all=.false.)
+               n = count(side%node > 0)
+               shapes = center_shapes(n, n_dim)
+               associate (at_corners => side%traction(:n_dim, :side%n_corners), &
+                  at_center => side%traction(:n_dim, side%n_corners + 1))
+                  at_corners = at_corners + traction(:, side%node(:side%n_corners))
+                  at_center = at_center + matmul(traction(:, side%node(:n)), shapes(:n))
+               end associate
             end associate
          end do
       end associate
@@ -214,7 +244,9 @@ contains
       integer :: i
 
       do i = 1, size(self%side)
-         if (all(is_marked(self%side(i)%node(:2)))) self%side(i)%is_known = .false.
+         associate (side => self%side(i))
+            if (all(is_marked(side%node(:side%n_corners)))) side%is_known = .false.
+         end associate
       end do
    end subroutine known_tractions_forget
 
@@ -222,7 +254,7 @@ contains
    elemental logical function is_linear(frame)
       type(frame_t), intent(in) :: frame !! coordinates and terms of its patch
 
-      is_linear = frame%n_terms <= 3
+      is_linear = frame%n_terms <= 4
    end function is_linear
 
    !> Sets the coordinates of a patch, and finds whether its samples determine the polynomial.
@@ -237,32 +269,49 @@ contains
       real(dp) :: normal(max_terms, max_terms), right(n_strains, max_terms)
       real(dp) :: unused(n_strains, max_terms), c(3), xx, xy, yy
       type(moments_t) :: moments
-      integer :: first, i, k
+      integer :: first, i, k, n_dim
+      logical :: is_last
 
-      is_determined = frame%n_terms == 1
-      if (is_determined) then
-         frame%center = samples%position(:, samples%start(elements(1)))
+      n_dim = frame%n_dim
+      is_last = frame%n_terms == 1
+      ! In space the last resort is a linear polynomial along the directions in which there are several samples.
+      if (is_last .and. n_dim == 3) frame%n_terms = 4
+      is_determined = is_last
+      if (is_last .and. n_dim == 2) then
+         frame%center(:2) = samples%position(:, samples%start(elements(1)))
          frame%scale = 0.0_dp
          return
       end if
-      if (sum(samples%start(elements + 1) - samples%start(elements)) <= frame%n_terms) return
-      moments%origin = mesh%coordinates(:, mesh%node(mesh%node_start(elements(1))))
+      if (.not. is_last .and. sum(samples%start(elements + 1) - samples%start(elements)) <= frame%n_terms) return
+      moments%origin(:n_dim) = mesh%coordinates(:, mesh%node(mesh%node_start(elements(1))))
       do i = 1, size(elements)
          first = mesh%node_start(elements(i))
          do k = first, first + n_corners(mesh%element_kind(elements(i))) - 1
-            call moments%add(mesh%coordinates(1, mesh%node(k)), mesh%coordinates(2, mesh%node(k)), 1.0_dp)
+            associate (node => mesh%node(k))
+               call moments%add(mesh%coordinates(1, node), mesh%coordinates(2, node), 1.0_dp)
+               if (n_dim == 3) call moments%add_depth(mesh%coordinates(:, node), 1.0_dp)
+            end associate
          end do
       end do
-      call spread_points(frame, moments)
-      if (frame%n_terms == max_terms) call turn_frame(frame%scale, mesh, elements)
+      if (n_dim == 2) call spread_points(frame, moments)
+      if (n_dim == 3) call spread_in_space(frame, moments, 0.0_dp, is_determined)
+      if (frame%n_terms == 9 .and. n_dim == 2) call turn_frame(frame%scale(:2, :2), mesh, elements)
       if (is_linear(frame)) then
          moments = moments_t()
-         moments%origin = samples%position(:, samples%start(elements(1)))
+         moments%origin(:n_dim) = samples%position(:, samples%start(elements(1)))
          do i = 1, size(elements)
             do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
-               call moments%add(samples%position(1, k), samples%position(2, k), merge(1.0_dp, far_weight, i <= n_near))
+               associate (weight => merge(1.0_dp, far_weight, i <= n_near))
+                  call moments%add(samples%position(1, k), samples%position(2, k), weight)
+                  if (n_dim == 3) call moments%add_depth(samples%position(:, k), weight)
+               end associate
             end do
          end do
+         if (n_dim == 3) then
+            call spread_in_space(frame, moments, least_pivot, is_determined)
+            is_determined = is_determined .or. is_last
+            return
+         end if
          ! Whether the samples spread in all directions, as the corners do: whether the pivots of 1, x and y are large.
          c = moments%covariance()
          associate (scale => frame%scale)
@@ -274,8 +323,13 @@ contains
          if (is_determined) is_determined = yy - xy**2/xx > least_pivot
          if (is_determined) call spread_points(frame, moments)
       else
-         call sum_samples(normal, right, frame, samples, elements, n_near)
-         call solve_normal(unused, frame%n_terms, normal, right, is_determined)
+         ! In a layer the square of one coordinate is undetermined: each of the three is the last one in turn.
+         do k = 1, merge(3, 1, n_dim == 3 .and. frame%n_terms < max_terms)
+            if (k > 1) frame%scale = cshift(frame%scale, 1)
+            call sum_samples(normal, right, frame, samples, elements, n_near)
+            call solve_normal(unused, frame%n_terms, normal, right, is_determined)
+            if (is_determined) return
+         end do
       end if
    end subroutine place_patch
 
@@ -288,18 +342,28 @@ contains
 
       associate (dx => x - self%origin(1), dy => y - self%origin(2))
          self%weight = self%weight + weight
-         self%first = self%first + weight*[dx, dy]
+         self%first(:2) = self%first(:2) + weight*[dx, dy]
          self%second = self%second + weight*[dx*dx, dx*dy, dy*dy]
       end associate
    end subroutine moments_add
 
-   !> The covariance of the points: xx, xy, yy [L^2].
+   !> Adds the third coordinate of a point in space to the moments.
+   pure subroutine moments_add_depth(self, x, weight)
+      class(moments_t), intent(inout) :: self !! the moments, of the point the others
+      real(dp), intent(in) :: x(3) !! coordinates of the point [L]
+      real(dp), intent(in) :: weight !! its weight [-]
+
+      self%first(3) = self%first(3) + weight*(x(3) - self%origin(3))
+      self%depth = self%depth + weight*(x(3) - self%origin(3))*(x - self%origin)
+   end subroutine moments_add_depth
+
+   !> The covariance of the points along x and y: xx, xy, yy [L^2].
    pure function moments_covariance(self) result(covariance)
       class(moments_t), intent(in) :: self !! the moments of the points
       real(dp) :: covariance(3)
 
       associate (mean => self%first/self%weight)
-         covariance = self%second/self%weight - [mean(1)*mean, mean(2)**2]
+         covariance = self%second/self%weight - [mean(1)*mean(:2), mean(2)**2]
       end associate
    end function moments_covariance
 
@@ -310,7 +374,7 @@ contains
       real(dp) :: c(3), slope
 
       c = moments%covariance()
-      frame%center = moments%origin + moments%first/moments%weight
+      frame%center(:2) = moments%origin(:2) + moments%first(:2)/moments%weight
       ! The inverse of the Cholesky factor of the covariance.
       frame%scale(1, 1) = 1.0_dp/sqrt(c(1))
       slope = c(2)*frame%scale(1, 1)
@@ -318,6 +382,40 @@ contains
       frame%scale(2, 1) = -slope*frame%scale(1, 1)*frame%scale(2, 2)
       frame%scale(1, 2) = 0.0_dp
    end subroutine spread_points
+
+   !> Sets coordinates in space in which some points have equal variance in all directions in which they are spread, and
+   !> are 0 in others.
+   pure subroutine spread_in_space(frame, moments, least, is_spread)
+      type(frame_t), intent(inout) :: frame !! the coordinates; those before say which variance counts
+      type(moments_t), intent(in) :: moments !! the moments of the points
+      real(dp), intent(in) :: least !! least variance that counts; 0 for points that are not in a plane [-]
+      logical, intent(out) :: is_spread !! whether they are spread in all directions
+      real(dp) :: c(6), covariance(3, 3), inverse(3, 3), row(3), pivot
+      integer :: k
+
+      associate (mean => moments%first/moments%weight)
+         frame%center = moments%origin + mean
+         c = [moments%covariance(), moments%depth/moments%weight - mean(3)*mean]
+      end associate
+      covariance = reshape(c([1, 2, 4, 2, 3, 5, 4, 5, 6]), [3, 3])
+      if (least > 0.0_dp) then
+         covariance = matmul(frame%scale, matmul(covariance, transpose(frame%scale)))
+      else
+         frame%scale = reshape([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], [3, 3], pad=[1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp])
+      end if
+      ! The inverse of the Cholesky factor of the covariance, row by row.
+      inverse = 0.0_dp
+      is_spread = .true.
+      do k = 1, 3
+         row = matmul(inverse, covariance(:, k))
+         pivot = covariance(k, k) - sum(row(:k - 1)**2)
+         is_spread = is_spread .and. pivot > least
+         if (pivot <= least) cycle
+         inverse(k, :k - 1) = -matmul(row(:k - 1), inverse(:k - 1, :k - 1))/sqrt(pivot)
+         inverse(k, k) = 1.0_dp/sqrt(pivot)
+      end do
+      frame%scale = matmul(inverse, frame%scale)
+   end subroutine spread_in_space
 
    !> Turns the coordinates of a patch until the sides of its quadrilaterals lie along the axes. Their angle is that of
    !> the sum of the fourth powers of the sides as complex numbers, which do not depend on the sign of a side and on
@@ -376,17 +474,23 @@ contains
    pure subroutine find_terms(frame, n, position, p)
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       integer, intent(in) :: n !! number of terms
-      real(dp), intent(in) :: position(2) !! the point [L]
+      real(dp), intent(in) :: position(*) !! the point, two or three coordinates [L]
       real(dp), intent(inout) :: p(max_terms) !! the terms, the first always 1
-      real(dp) :: x, y, distance(2)
+      real(dp) :: x, y, distance(2), place(3)
 
-      distance = position - frame%center
+      p(1) = 1.0_dp
+      if (frame%n_dim == 3) then
+         place = matmul(frame%scale, position(:3) - frame%center)
+         p(2:4) = place
+         if (n > 4) p(5:) = [place(:2)**2, place*cshift(place, 1), place(3)**2]
+         return
+      end if
+      distance = position(:2) - frame%center(:2)
       x = frame%scale(1, 1)*distance(1) + frame%scale(1, 2)*distance(2)
       y = frame%scale(2, 1)*distance(1) + frame%scale(2, 2)*distance(2)
-      p(1) = 1.0_dp
       p(2) = x
       p(3) = y
-      if (n > 3) p(4:) = [x*x, x*y, y*y, x*x*y, x*y*y, x*x*y*y]
+      if (n > 3) p(4:9) = [x*x, x*y, y*y, x*x*y, x*y*y, x*x*y*y]
    end subroutine find_terms
 
    !> Solves the normal equations of a patch, unless their matrix is badly conditioned. They are so small that calling
@@ -481,7 +585,7 @@ contains
       do i = 1, mesh%n_elements
          samples%start(i + 1) = samples%start(i) + n_sampling_points(mesh%element_kind(i))
       end do
-      allocate (samples%position(2, samples%start(mesh%n_elements + 1) - 1))
+      allocate (samples%position(size(mesh%coordinates, 1), samples%start(mesh%n_elements + 1) - 1))
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
       !$omp firstprivate(geometry) shared(samples, mesh, materials)
       do i = 1, mesh%n_elements
@@ -574,6 +678,7 @@ contains
       first = list%n + 1
       associate (frame => table%frame(patch), n_near => table%n_near(patch))
          frame%n_terms = n_kind_terms(mesh%element_kind(first_element))
+         frame%n_dim = size(mesh%coordinates, 1)
          call add_elements_at(list, first, table%node(patch), materials, incidence, materials%of_element(first_element))
          n_near = list%n - first + 1
          do growth = 0, most_growths
@@ -591,7 +696,13 @@ contains
             if (is_determined) return
          end do
          do while (.not. is_determined)
-            frame%n_terms = merge(1, frame%n_terms - 3, frame%n_terms == 3)
+            if (is_linear(frame)) then
+               frame%n_terms = 1
+            else if (frame%n_dim == 3) then
+               frame%n_terms = merge(9, 4, frame%n_terms == max_terms)
+            else
+               frame%n_terms = frame%n_terms - 3
+            end if
             call place_patch(frame, is_determined, mesh, table%samples, list%item(first:list%n), n_near)
          end do
       end associate

@@ -14,8 +14,9 @@ module amontons_stress_field
    use amontons_elasticity, only: element_geometry_t, find_elastic_strains, find_nodal_forces, &
       is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, quadrilateral_shapes, set_element_load
    use amontons_element, only: corner_kind, element_names, max_corners, max_nodes, max_points, &
-      n_corners, n_element_nodes, n_element_points, n_fine_points, n_plane_kinds, n_sampling_points, &
-      node_coordinates, quadrature_point, shape_functions, tri3
+      is_solid, n_corners, n_element_nodes, n_element_points, n_fine_points, n_sampling_points, node_coordinates, &
+      quadrature_point, shape_functions, tri3
+   use amontons_frame, only: new_frame, turned
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
    use amontons_material, only: in_plane, material_t, materials_t, max_components, n_strains
@@ -330,22 +331,23 @@ contains
    pure subroutine fit_polynomial(coefficient, patches, patch, mesh, stress, tractions)
       real(dp), intent(out) :: coefficient(n_strains, max_terms)
          !! coefficients of the stresses: those of the terms, nothing behind the last; of a linear polynomial the
-         !! stresses at the node and their gradients along x and y (component, term) [F/L^2], [F/L^3]
+         !! stresses at the node and their gradients along the axes (component, term) [F/L^2], [F/L^3]
       type(patch_table_t), intent(in) :: patches !! the patches
       integer, intent(in) :: patch !! number of the patch
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), contiguous, intent(in) :: stress(:, :) !! the stresses of the samples (n_strains, any) [F/L^2]
       type(known_traction_t), intent(in) :: tractions(:) !! the known tractions at sides that meet at the node
-      real(dp) :: normal(max_terms, max_terms), right(n_strains, max_terms), along(n_strains, 2), distance(2), weight
+      real(dp) :: normal(max_terms, max_terms), right(n_strains, max_terms), along(n_strains, 3), weight
       logical :: is_determined, has_plane
-      integer :: i
+      integer :: fitted(n_strains), i, k, n_dim, n_fitted
 
       has_plane = is_linear(patches%frame(patch))
+      n_dim = size(mesh%coordinates, 1)
       associate (frame => patches%frame(patch), n => patches%frame(patch)%n_terms, node => patches%node(patch), &
          elements => patches%element(patches%start(patch):patches%start(patch + 1) - 1))
          if (has_plane) then
             call sum_linear_samples(weight, right, frame, patches%samples, stress, elements, patches%n_near(patch))
-            coefficient(:, :3) = right(:, :3)/weight
+            coefficient(:, :n_dim + 1) = right(:, :n_dim + 1)/weight
          else
             call sum_samples(normal, right, frame, patches%samples, elements, patches%n_near(patch), stress)
             call solve_normal(coefficient, n, normal, right, is_determined)
@@ -357,14 +359,23 @@ contains
                   normal(i, i) = weight
                end do
             end if
-            call fit_tractions(coefficient, frame, normal(:n, :n), transpose(right(in_plane, :n)), tractions, node)
+            n_fitted = merge(n_strains, size(in_plane), n_dim == 3)
+            fitted = [(i, i=1, n_strains)]
+            if (n_dim == 2) fitted(:n_fitted) = in_plane
+            call fit_tractions(coefficient, fitted(:n_fitted), frame, normal(:n, :n), &
+               transpose(right(fitted(:n_fitted), :n)), tractions, node)
          end if
          if (.not. has_plane) return
-         along(:, 1) = frame%scale(1, 1)*coefficient(:, 2) + frame%scale(2, 1)*coefficient(:, 3)
-         along(:, 2) = frame%scale(2, 2)*coefficient(:, 3)
-         distance = mesh%coordinates(:, node) - frame%center
-         coefficient(:, 1) = coefficient(:, 1) + distance(1)*along(:, 1) + distance(2)*along(:, 2)
-         coefficient(:, 2:3) = along
+         do k = 1, n_dim
+            along(:, k) = frame%scale(k, k)*coefficient(:, k + 1)
+            do i = k + 1, n_dim
+               along(:, k) = along(:, k) + frame%scale(i, k)*coefficient(:, i + 1)
+            end do
+         end do
+         do k = 1, n_dim
+            coefficient(:, 1) = coefficient(:, 1) + (mesh%coordinates(k, node) - frame%center(k))*along(:, k)
+            coefficient(:, k + 1) = along(:, k)
+         end do
       end associate
    end subroutine fit_polynomial
 
@@ -378,16 +389,25 @@ contains
       real(dp), contiguous, intent(in) :: stress(:, :) !! their stresses (n_strains, n_samples) [F/L^2]
       integer, contiguous, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
-      real(dp) :: distance(2), weight, x, y
+      real(dp) :: distance(2), weight, x, y, place(3)
       integer :: i, k, component
 
       total = 0.0_dp
-      right(:, :3) = 0.0_dp
+      right(:, :4) = 0.0_dp
       weight = 1.0_dp
       do i = 1, size(elements)
          if (i > n_near) weight = far_weight
          do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
-            distance = samples%position(:, k) - frame%center
+            if (size(samples%position, 1) == 3) then
+               place = weight*matmul(frame%scale, samples%position(:, k) - frame%center)
+               total = total + weight
+               right(:, 1) = right(:, 1) + weight*stress(:, k)
+               do component = 1, 3
+                  right(:, component + 1) = right(:, component + 1) + place(component)*stress(:, k)
+               end do
+               cycle
+            end if
+            distance = samples%position(:2, k) - frame%center(:2)
             x = weight*frame%scale(1, 1)*distance(1)
             y = weight*(frame%scale(2, 1)*distance(1) + frame%scale(2, 2)*distance(2))
             total = total + weight
@@ -401,88 +421,92 @@ contains
       end do
    end subroutine sum_linear_samples
 
-   !> Fits the stresses xx, yy and xy to the samples and, with a large weight, to known tractions: at the middle of each
-   !> side, and at the node, where two sides with a smooth transition have the mean of their normals. The remainder is
-   !> measured by the norm of the tensor, in which xy counts twice, so that the axes have no effect. Tractions around an
-   !> axis are left to the fit.
-   pure subroutine fit_tractions(coefficient, frame, normal, right, tractions, node)
+   !> Fits stresses, in the plane xx, yy and xy, to the samples and, with a large weight, to known tractions: in the
+   !> middle of each side, and at the node, where sides with a smooth transition have the mean of their normals. The
+   !> remainder is measured by the norm of the tensor, in which shear stresses count twice, so that the axes have no
+   !> effect. Tractions around an axis are left to the fit.
+   pure subroutine fit_tractions(coefficient, fitted, frame, normal, right, tractions, node)
       real(dp), intent(inout) :: coefficient(n_strains, max_terms)
-         !! coefficients of the stresses; gains those of these three
+         !! coefficients of the stresses; gains those of the fitted ones
+      integer, intent(in) :: fitted(:) !! the stresses that are fitted
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       real(dp), intent(in) :: normal(:, :) !! the lower triangle of the normal matrix of the samples
       real(dp), intent(in) :: right(:, :) !! its right-hand sides (term, component)
       type(known_traction_t), intent(in) :: tractions(:) !! the known tractions at sides that meet at the node
       integer, intent(in) :: node !! the node
       ! Sides continue each other smoothly where their normals differ by less than 30 degrees.
-      real(dp), parameter :: of_tensor(3) = [1.0_dp, 1.0_dp, 2.0_dp], smooth = cos(acos(-1.0_dp)/6.0_dp)
-      real(dp) :: matrix(3*frame%n_terms, 3*frame%n_terms), joint(3*frame%n_terms, 1)
+      real(dp), parameter :: smooth = cos(acos(-1.0_dp)/6.0_dp)
+      real(dp), parameter :: of_tensor(n_strains) = [1.0_dp, 1.0_dp, 1.0_dp, 2.0_dp, 2.0_dp, 2.0_dp]
+      real(dp) :: matrix(size(fitted)*frame%n_terms, size(fitted)*frame%n_terms), joint(size(matrix, 1), 1)
       type(known_traction_t) :: mean
-      logical :: is_smooth
-      integer :: i, n, info, place(2)
+      integer :: i, k, n, info, n_met, place(size(tractions))
 
       n = frame%n_terms
       matrix = 0.0_dp
-      do i = 1, 3
-         matrix((i - 1)*n + 1:i*n, (i - 1)*n + 1:i*n) = of_tensor(i)*normal
-         joint((i - 1)*n + 1:i*n, 1) = of_tensor(i)*right(:, i)
+      do i = 1, size(fitted)
+         matrix((i - 1)*n + 1:i*n, (i - 1)*n + 1:i*n) = of_tensor(fitted(i))*normal
+         joint((i - 1)*n + 1:i*n, 1) = of_tensor(fitted(i))*right(:, i)
       end do
       do i = 1, size(tractions)
-         call add_traction(matrix, joint(:, 1), frame, normal(1, 1), tractions(i), 3)
+         call add_traction(matrix, joint(:, 1), fitted, frame, normal(1, 1), tractions(i), &
+            tractions(i)%n_corners + 1)
+         place(i) = findloc(tractions(i)%node, node, dim=1)
       end do
-      place = 0
-      do i = 1, min(2, size(tractions))
-         place(i) = merge(1, 2, tractions(i)%node(1) == node)
-      end do
-      is_smooth = size(tractions) == 2
-      if (is_smooth) is_smooth = place(1) /= place(2) .and. all(tractions(1)%is_known .eqv. tractions(2)%is_known) &
-         .and. dot_product(tractions(1)%normal(:, place(1)), tractions(2)%normal(:, place(2))) > smooth
-      if (is_smooth) then
-         ! At the node as in the middle of a side, with the mean of normals and tractions.
-         mean = tractions(1)
-         associate (one => tractions(1), other => tractions(2))
-            mean%position(:, 3) = one%position(:, place(1))
-            mean%normal(:, 3) = one%normal(:, place(1)) + other%normal(:, place(2))
-            mean%normal(:, 3) = mean%normal(:, 3)/norm2(mean%normal(:, 3))
-            mean%traction(:, 3) = 0.5_dp*(one%traction(:, place(1)) + other%traction(:, place(2)))
+      do i = 1, size(tractions)
+         ! Sides that an earlier one has been taken with have no place any more.
+         if (place(i) == 0) cycle
+         mean = tractions(i)
+         n_met = 1
+         associate (mean_normal => mean%normal(:, place(i)), mean_traction => mean%traction(:, place(i)))
+            do k = i + 1, size(tractions)
+               if (place(k) == 0 .or. any(tractions(i)%is_known .neqv. tractions(k)%is_known)) cycle
+               if (dot_product(tractions(i)%normal(:, place(i)), tractions(k)%normal(:, place(k))) <= smooth) cycle
+               n_met = n_met + 1
+               mean_normal = mean_normal + tractions(k)%normal(:, place(k))
+               mean_traction = mean_traction + tractions(k)%traction(:, place(k))
+               place(k) = 0
+            end do
+            if (n_met > 1) mean_normal = mean_normal/norm2(mean_normal)
+            mean_traction = mean_traction/n_met
          end associate
-         call add_traction(matrix, joint(:, 1), frame, normal(1, 1), mean, 3)
-      else
-         do i = 1, min(2, size(tractions))
-            call add_traction(matrix, joint(:, 1), frame, normal(1, 1), tractions(i), place(i))
-         end do
-      end if
+         call add_traction(matrix, joint(:, 1), fitted, frame, normal(1, 1), mean, place(i))
+      end do
       call cholesky_factor(matrix, info)
       call cholesky_solve(matrix, joint)
-      coefficient(in_plane, :n) = transpose(reshape(joint, [n, 3]))
+      coefficient(fitted, :n) = transpose(reshape(joint, [n, size(fitted)]))
    end subroutine fit_tractions
 
    !> Adds the known tractions at a position on a side to the normal equations.
-   pure subroutine add_traction(matrix, right, frame, n_samples, side, place)
-      real(dp), intent(inout) :: matrix(:, :) !! normal matrix of the stresses xx, yy, xy
+   pure subroutine add_traction(matrix, right, fitted, frame, n_samples, side, place)
+      real(dp), intent(inout) :: matrix(:, :) !! normal matrix of the fitted stresses
       real(dp), intent(inout) :: right(:) !! its right-hand side
+      integer, intent(in) :: fitted(:) !! the stresses that are fitted
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       real(dp), intent(in) :: n_samples !! number of samples, by weight
       type(known_traction_t), intent(in) :: side !! the side
-      integer, intent(in) :: place !! 1, 2 or 3: first corner, second corner, middle
+      integer, intent(in) :: place !! number of a corner, or of the middle behind the last
       ! Each equation weighs as much as ten times all samples: samples that contradict it change it by a few percent.
       real(dp), parameter :: weight = 10.0_dp
-      real(dp) :: row(size(right)), direction(2), p(max_terms)
-      integer :: i, n
+      real(dp) :: row(size(right)), frame_of_side(3, 3), of_stress(n_strains), p(max_terms)
+      integer :: i, k, n
 
       n = frame%n_terms
-      call find_terms(frame, n, side%position(:, place), p)
-      associate (normal => side%normal(:, place))
-         do i = 1, 2
-            if (.not. side%is_known(i)) cycle
-            direction = normal
-            if (i == 2) direction = [-normal(2), normal(1)]
-            row(:n) = direction(1)*normal(1)*p(:n)
-            row(n + 1:2*n) = direction(2)*normal(2)*p(:n)
-            row(2*n + 1:) = (direction(1)*normal(2) + direction(2)*normal(1))*p(:n)
-            matrix = matrix + weight*n_samples*spread(row, 2, 3*n)*spread(row, 1, 3*n)
-            right = right + weight*n_samples*row*dot_product(direction, side%traction(:, place))
-         end do
-      end associate
+      call find_terms(frame, n, side%position(:frame%n_dim, place), p)
+      frame_of_side(:, 1) = side%normal(:, place)
+      if (frame%n_dim == 2) frame_of_side(:, 2) = [turned(side%normal(:2, place)), 0.0_dp]
+      if (frame%n_dim == 3) frame_of_side = new_frame(side%normal(:, place), 3)
+      do i = 1, frame%n_dim
+         if (.not. side%is_known(i)) cycle
+         associate (normal => side%normal(:, place), d => frame_of_side(:, i))
+            of_stress = [d*normal, d(1)*normal(2) + d(2)*normal(1), d(2)*normal(3) + d(3)*normal(2), &
+               d(1)*normal(3) + d(3)*normal(1)]
+            do k = 1, size(fitted)
+               row((k - 1)*n + 1:k*n) = of_stress(fitted(k))*p(:n)
+            end do
+            matrix = matrix + weight*n_samples*spread(row, 2, size(row))*spread(row, 1, size(row))
+            right = right + weight*n_samples*row*dot_product(d, side%traction(:, place))
+         end associate
+      end do
    end subroutine add_traction
 
    !> Prepares the recovery of the stresses of a displacement field: its stresses where they are most accurate, and the
@@ -499,7 +523,7 @@ contains
       type(element_geometry_t) :: geometry
       real(dp) :: strain(n_strains, max_points)
       integer, allocatable :: side(:)
-      integer :: patch(2, size(tractions)), first, i, k, point
+      integer :: patch(4, size(tractions)), first, i, k, most, point
 
       allocate (recovered%sample(n_strains, size(patches%samples%position, 2)))
       !$omp parallel do default(none) schedule(static) if (mesh%n_elements >= worth_threads) &
@@ -520,15 +544,17 @@ contains
          end associate
       end do
       !$omp end parallel do
+      most = maxval(tractions%n_corners)
+      patch = 0
       do i = 1, size(tractions)
          first = mesh%node_start(tractions(i)%element)
-         do k = 1, 2
+         do k = 1, tractions(i)%n_corners
             patch(k, i) = patches%at_corner(tractions(i)%element, first - 1 &
                + findloc(mesh%node(first:mesh%node_start(tractions(i)%element + 1) - 1), tractions(i)%node(k), dim=1))
          end do
       end do
-      call fill_bins(recovered%side_start, side, reshape(patch, [size(patch)]), size(patches%node))
-      recovered%tractions = tractions((side + 1)/2)
+      call fill_bins(recovered%side_start, side, reshape(patch(:most, :), [most*size(tractions)]), size(patches%node))
+      recovered%tractions = tractions((side + most - 1)/most)
    end subroutine new_recovered_stress
 
    !> The stress at the center of a four-node quadrilateral of a plane body, from the differences along its diagonals
@@ -591,13 +617,13 @@ contains
       real(dp), intent(in), optional :: element_load(:) !! as in `new_error_estimate` [-]
       type(element_geometry_t) :: geometry
       real(dp), allocatable :: coefficient(:, :, :)
-      real(dp) :: of_patch(n_strains, max_terms), weights(max_points, max_corners, n_plane_kinds)
+      real(dp) :: of_patch(n_strains, max_terms), weights(max_points, max_corners, size(element_names))
       logical :: is_plain
       integer :: i
 
-      weights = corner_weights()
+      weights = corner_weights(size(mesh%coordinates, 1))
       associate (listed => patches%listed(patches%block_start(block):patches%block_start(block + 1) - 1))
-         allocate (coefficient(n_strains, max(3, maxval(patches%frame(listed)%n_terms)), size(listed)))
+         allocate (coefficient(n_strains, max(size(mesh%coordinates, 1) + 1, maxval(patches%frame(listed)%n_terms)), size(listed)))
          do i = 1, size(listed)
             associate (sides => recovered%side_start(listed(i):listed(i) + 1))
                call fit_polynomial(of_patch, patches, listed(i), mesh, recovered%sample, &
@@ -728,7 +754,7 @@ contains
       integer, intent(in) :: element !! the element
       type(patch_table_t), intent(in) :: patches !! the patches of the mesh
       real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit_polynomial`
-      real(dp), intent(in) :: position(2, n_points) !! the points [L]
+      real(dp), intent(in) :: position(size(mesh%coordinates, 1), n_points) !! the points [L]
       real(dp), contiguous, intent(in) :: weights(:, :) !! shape functions of the corners there (points, corners) [-]
       real(dp) :: p(max_terms), sum(n_strains)
       integer :: i, k, corner, point
@@ -740,7 +766,7 @@ contains
             frame => patches%frame(patches%at_corner(element, corner)))
             do point = 1, n_points
                if (is_linear(frame)) then
-                  p(2:3) = position(:, point) - mesh%coordinates(:, mesh%node(corner))
+                  p(2:size(position, 1) + 1) = position(:, point) - mesh%coordinates(:, mesh%node(corner))
                else
                   call find_terms(frame, frame%n_terms, position(:, point), p)
                end if
@@ -766,13 +792,18 @@ contains
 
    !> The linear shape functions of the corners at the quadrature points of every kind of element (point, corner, kind)
    !> [-].
-   pure function corner_weights() result(weights)
-      real(dp) :: weights(max_points, max_corners, n_plane_kinds)
-      real(dp) :: xi(2), weight, values(max_nodes), derivatives(2, max_nodes)
+   pure function corner_weights(n_dim) result(weights)
+      integer, intent(in) :: n_dim !! number of dimensions; the weights of other kinds are 0
+      real(dp) :: weights(max_points, max_corners, size(element_names))
+      real(dp) :: weight, values(max_nodes)
+      real(dp), allocatable :: xi(:), derivatives(:, :)
       integer :: kind, point
 
       weights = 0.0_dp
-      do kind = 1, n_plane_kinds
+      do kind = 1, size(element_names)
+         if (is_solid(kind) .neqv. n_dim == 3) cycle
+         xi = node_coordinates(kind, 1)
+         derivatives = spread(xi, 2, max_nodes)
          do point = 1, n_fine_points(kind)
             call quadrature_point(kind, n_fine_points(kind), point, xi, weight)
             call shape_functions(corner_kind(kind), xi, values, derivatives)

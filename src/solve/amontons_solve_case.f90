@@ -92,8 +92,7 @@ contains
          call make_body(cache, config, error)
       end if
       if (allocated(error)) return
-      ! Stresses of solids are not recovered yet.
-      result%wants_error_estimate = config%accuracy%wants_estimate() .and. size(cache%body%mesh%coordinates, 1) == 2
+      result%wants_error_estimate = config%accuracy%wants_estimate()
       call new_load_case(result%load_case, cache%body, config%supports, config%contacts, config%loads, error)
       if (.not. allocated(error)) call add_model_warnings(result%warnings, cache%body, result%load_case)
    end subroutine prepare_case
@@ -399,7 +398,7 @@ contains
       result%solution = start
       result%uniqueness = known
       result%method = options
-      result%wants_error_estimate = size(body%mesh%coordinates, 1) == 2
+      result%wants_error_estimate = .true.
       call new_timings(result%timings)
       call new_load_case(result%load_case, body, supports, contacts, loads, error)
       if (allocated(error)) return
@@ -478,11 +477,23 @@ contains
          call new_patch(patch, body%mesh, load_case%contacts(i)%set, error, body%materials)
          ! The points of a pair have no area where the slave faces nothing.
          area = max(patch%area, area(patch%node))
-         ! A corner of a quadratic side on the axis of revolution has none at all, and the traction of the middle node.
-         place = [(k, k=1, patch%n_nodes)]
-         where (area <= computed_rounding*maxval(area)) place = merge(patch%line%next, place - 1, patch%line%next > 0)
-         traction(:, patch%node) = traction(:, patch%node(place))/spread(max(area(place), tiny(1.0_dp)), 1, 2)
-         call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, traction(:2, :))
+         if (allocated(patch%line)) then
+            ! A corner of a quadratic side on the axis of revolution has none at all, and the traction of the middle
+            ! node.
+            place = [(k, k=1, patch%n_nodes)]
+            where (area <= computed_rounding*maxval(area)) place = merge(patch%line%next, place - 1, &
+               patch%line%next > 0)
+            traction(:, patch%node) = traction(:, patch%node(place))/spread(max(area(place), tiny(1.0_dp)), 1, 2)
+         else
+            ! The forces of faces are those of points, whose nodes come first.
+            traction(:, patch%node) = 0.0_dp
+            do k = 1, body%zone%n_points
+               if (is_meant(k)) traction(:, body%zone%rows%node(body%zone%rows%start(k))) = &
+                  -matmul(body%zone%frame(:, :, k), force(k::body%zone%n_points))/body%zone%area(k)
+            end do
+         end if
+         call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, &
+            traction(:size(body%mesh%coordinates, 1), :))
       end do
       is_joined = .false.
       do i = 1, size(body%zone%pairs)
@@ -490,7 +501,7 @@ contains
             body%zone%pairs(i)%segments%master)
       end do
       traction = body%zone%rows%forces(force, body%mesh%n_nodes)
-      is_joined = is_joined .and. any(abs(traction(:2, :)) > 0.0_dp, dim=1)
+      is_joined = is_joined .and. any(abs(traction(:size(body%mesh%coordinates, 1), :)) > 0.0_dp, dim=1)
       do i = 1, size(body%ties)
          call mark_sides(is_joined, body%ties(i)%master, body%ties(i)%segments%master)
          call mark_sides(is_joined, body%ties(i)%slave, body%ties(i)%segments%slave)

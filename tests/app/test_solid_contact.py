@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Solids on rigid obstacles: against an independent code, the plane and equilibrium."""
 import csv
+import json
 import math
 import unittest
 
@@ -31,6 +32,11 @@ class SolidContact(ProgramTest):
         self.run_program("--verify", ".")
         return result
 
+    def solve_summary(self, deck):
+        """The summary of a case, without a contact set or with one."""
+        self.run_program("--quiet", self.write("case.nml", deck))
+        return json.loads((self.directory / "case.summary.json").read_text(encoding="utf-8"))
+
     def rows(self, name):
         """The rows of a sweep."""
         with open(self.directory / f"{name}.sweep.csv", newline="", encoding="utf-8") as table:
@@ -57,6 +63,44 @@ class SolidContact(ProgramTest):
                 self.assertAlmostEqual(one["key_results"][key], value, delta=1e-10, msg=f"{element} {key}")
             for key, value in other["areas"].items():
                 self.assertAlmostEqual(one["areas"][key], value, delta=1e-10, msg=f"{element} {key}")
+
+    def test_uniform_stress_has_no_estimated_error(self):
+        # The pressure of the contact points, transformed middles included, is the traction that is known there.
+        for element in ("tet4", *CUBES):
+            result = self.solve(solid("support set = 'left'  ux = 0.0", "support set = 'front'  uy = 0.0",
+                                      "load set = 'top'  pressure = 1e-3", "contact set = 'bottom'", element=element))
+            self.assertLess(result.summary["accuracy"]["relative_error"], 1e-12, element)
+
+    def test_estimate_is_the_error_of_a_smooth_solution(self):
+        # Strain energy of the block that rotates, extrapolated from hex20 with 4 and 8 cells: the square of the norm of
+        # the error is twice what the energy lacks. Tetrahedra in pairs of six are known for estimates that are low.
+        truth = 9.795195e-6
+        held = ("support set = 'left'  ux = 0.0", "support set = 'front'  uy = 0.0", "support set = 'bottom'  uz = 0.0")
+        for element, cells, least, most, fall in (("hex8", (2, 4), 0.95, 1.05, 0.52), ("tet4", (4, 8), 0.7, 0.85, 0.6),
+                                                  ("hex20", (2, 4), 0.9, 1.2, 0.28), ("tet10", (2, 4), 0.85, 1.1, 0.33)):
+            norms = []
+            for n in cells:
+                result = self.solve_summary(solid(*held, "load angular_speed = 0.1  axis = 0.0, 0.0, 1.0",
+                                                  cells=f"{n}, {n}, {n}", element=element,
+                                                  material="young = 1.0  poisson = 0.3  density = 1.0"))
+                norms.append(result["accuracy"]["error_norm"])
+                error = math.sqrt(2.0*(truth - result["certificate"]["strain_energy"]))
+                self.assertTrue(least < norms[-1]/error < most or n == 2, (element, n, norms[-1]/error))
+            self.assertLess(norms[1], fall*norms[0], element)
+
+    def test_estimate_of_a_layer_is_nearly_that_of_the_plane(self):
+        # Across a layer the samples of linear elements lie in a plane, and those of quadratic ones in two. The stress
+        # across is fitted by itself, and not that of plane strain.
+        for plane, layer, limit in (("quad4", "hex8", 0.15), ("tri3", "tet4", 0.15), ("quad8", "hex20", 0.6)):
+            found = [self.solve_summary(block("support set = 'right'  ux = 0.0", f"load set = 'left'  traction = {push}",
+                                              f"load set = 'top'  traction = {press}", "contact set = 'bottom'", *held,
+                                              mesh=mesh, material="young = 13000.0  poisson = 0.2"))["accuracy"]
+                     for mesh, push, press, held in (
+                         (f"size = 40.0, 40.0  cells = 8, 8  element = '{plane}'", "10.0, 0.0", "0.0, -5.0", ()),
+                         (f"kind = 'box'  size = 40.0, 1.0, 40.0  cells = 8, 1, 8  element = '{layer}'",
+                          "10.0, 0.0, 0.0", "0.0, 0.0, -5.0", ("support set = 'front'  uy = 0.0",
+                                                               "support set = 'back'  uy = 0.0")))]
+            self.assertLess(abs(found[1]["error_norm"]/found[0]["error_norm"] - 1.0), limit, layer)
 
     def test_truth_lies_within_the_error_bars(self):
         # The limits of CUBES, extrapolated from meshes of up to 40 cells and of quadratic elements.
