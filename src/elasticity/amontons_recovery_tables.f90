@@ -23,15 +23,18 @@ module amontons_recovery_tables
       new_boundary_sides, new_patch_table, new_recovery_tables, patch_table_t, recovery_tables_t, samples_t, &
       solve_normal, sum_samples
 
+   !> Most places where the traction on a side is known: its corners and its middle.
+   integer, parameter :: max_places = 5
+
    !> The traction on a side of the boundary, at its corners and in its middle. In the plane z is 0.
    type :: known_traction_t
       integer :: n_corners = 2 !! number of corners; the middle is the place behind them
       integer :: node(max_face_nodes) = 0 !! its nodes, as of `mesh_side`, then 0
       integer :: element = 0 !! the element of the side
-      real(dp) :: position(3, 5) = 0.0_dp !! coordinates of the places [L]
-      real(dp) :: normal(3, 5) = 0.0_dp !! unit outward normal there [-]
+      real(dp) :: position(3, max_places) = 0.0_dp !! coordinates of the places [L]
+      real(dp) :: normal(3, max_places) = 0.0_dp !! unit outward normal there [-]
       logical :: is_known(3) = .true. !! whether the traction along normal and tangents, of `new_frame`, is known
-      real(dp) :: traction(3, 5) = 0.0_dp !! force per area at the places [F/L^2]
+      real(dp) :: traction(3, max_places) = 0.0_dp !! force per area at the places [F/L^2]
    end type known_traction_t
 
    !> The sides of the boundary.
@@ -44,8 +47,8 @@ module amontons_recovery_tables
       procedure :: add_nodal => known_tractions_add_nodal
    end type known_tractions_t
 
-   !> Most terms of a polynomial: 1, x, y, x^2, x y, y^2, x^2 y, x y^2, x^2 y^2; in space 1, x, y, z, x^2, y^2, x y, y z,
-   !> z x, z^2.
+   !> Most terms of a polynomial: 1, x, y, x^2, x y, y^2, x^2 y, x y^2, x^2 y^2; in space 1, x, y, z, x^2, y^2, x y,
+   !> y z, z x, z^2.
    integer, parameter :: max_terms = 10
    !> Terms of the polynomial of each kind of element: linear; quadratic, of quadrilaterals in x and in y.
    integer, parameter :: n_kind_terms(*) = [3, 3, 6, 9, 9, 4, 10, 4, 10]
@@ -269,7 +272,7 @@ contains
       real(dp) :: normal(max_terms, max_terms), right(n_strains, max_terms)
       real(dp) :: unused(n_strains, max_terms), c(3), xx, xy, yy
       type(moments_t) :: moments
-      integer :: first, i, k, n_dim
+      integer :: k, n_dim
       logical :: is_last
 
       n_dim = frame%n_dim
@@ -283,30 +286,12 @@ contains
          return
       end if
       if (.not. is_last .and. sum(samples%start(elements + 1) - samples%start(elements)) <= frame%n_terms) return
-      moments%origin(:n_dim) = mesh%coordinates(:, mesh%node(mesh%node_start(elements(1))))
-      do i = 1, size(elements)
-         first = mesh%node_start(elements(i))
-         do k = first, first + n_corners(mesh%element_kind(elements(i))) - 1
-            associate (node => mesh%node(k))
-               call moments%add(mesh%coordinates(1, node), mesh%coordinates(2, node), 1.0_dp)
-               if (n_dim == 3) call moments%add_depth(mesh%coordinates(:, node), 1.0_dp)
-            end associate
-         end do
-      end do
+      call sum_corners(moments, mesh, elements)
       if (n_dim == 2) call spread_points(frame, moments)
       if (n_dim == 3) call spread_in_space(frame, moments, 0.0_dp, is_determined)
       if (frame%n_terms == 9 .and. n_dim == 2) call turn_frame(frame%scale(:2, :2), mesh, elements)
       if (is_linear(frame)) then
-         moments = moments_t()
-         moments%origin(:n_dim) = samples%position(:, samples%start(elements(1)))
-         do i = 1, size(elements)
-            do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
-               associate (weight => merge(1.0_dp, far_weight, i <= n_near))
-                  call moments%add(samples%position(1, k), samples%position(2, k), weight)
-                  if (n_dim == 3) call moments%add_depth(samples%position(:, k), weight)
-               end associate
-            end do
-         end do
+         call sum_positions(moments, samples, elements, n_near)
          if (n_dim == 3) then
             call spread_in_space(frame, moments, least_pivot, is_determined)
             is_determined = is_determined .or. is_last
@@ -332,6 +317,46 @@ contains
          end do
       end if
    end subroutine place_patch
+
+   !> Sums the moments of the corners of some elements.
+   pure subroutine sum_corners(moments, mesh, elements)
+      type(moments_t), intent(out) :: moments !! the moments
+      type(mesh_t), intent(in) :: mesh !! the mesh
+      integer, intent(in) :: elements(:) !! the elements
+      integer :: first, i, k, n_dim
+
+      n_dim = size(mesh%coordinates, 1)
+      moments%origin(:n_dim) = mesh%coordinates(:, mesh%node(mesh%node_start(elements(1))))
+      do i = 1, size(elements)
+         first = mesh%node_start(elements(i))
+         do k = first, first + n_corners(mesh%element_kind(elements(i))) - 1
+            associate (node => mesh%node(k))
+               call moments%add(mesh%coordinates(1, node), mesh%coordinates(2, node), 1.0_dp)
+               if (n_dim == 3) call moments%add_depth(mesh%coordinates(:, node), 1.0_dp)
+            end associate
+         end do
+      end do
+   end subroutine sum_corners
+
+   !> Sums the moments of the samples of a patch.
+   pure subroutine sum_positions(moments, samples, elements, n_near)
+      type(moments_t), intent(out) :: moments !! the moments
+      type(samples_t), intent(in) :: samples !! the samples of all elements
+      integer, intent(in) :: elements(:) !! the elements of the patch
+      integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
+      real(dp) :: weight
+      integer :: i, k, n_dim
+
+      n_dim = size(samples%position, 1)
+      moments%origin(:n_dim) = samples%position(:, samples%start(elements(1)))
+      do i = 1, size(elements)
+         weight = merge(1.0_dp, far_weight, i <= n_near)
+         do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
+            call moments%add(samples%position(1, k), samples%position(2, k), weight)
+            if (n_dim == 3) call moments%add_depth(samples%position(:, k), weight)
+         end do
+      end do
+   end subroutine sum_positions
 
    !> Adds a point to the moments of a set of points.
    pure subroutine moments_add(self, x, y, weight)
@@ -390,14 +415,16 @@ contains
       type(moments_t), intent(in) :: moments !! the moments of the points
       real(dp), intent(in) :: least !! least variance that counts; 0 for points that are not in a plane [-]
       logical, intent(out) :: is_spread !! whether they are spread in all directions
-      real(dp) :: c(6), covariance(3, 3), inverse(3, 3), row(3), pivot
+      real(dp) :: covariance(3, 3), inverse(3, 3), row(3), pivot
       integer :: k
 
-      associate (mean => moments%first/moments%weight)
+      associate (mean => moments%first/moments%weight, in_plane => moments%covariance())
          frame%center = moments%origin + mean
-         c = [moments%covariance(), moments%depth/moments%weight - mean(3)*mean]
+         covariance(:, 3) = moments%depth/moments%weight - mean(3)*mean
+         covariance(:2, 1) = in_plane(:2)
+         covariance(:2, 2) = in_plane(2:)
       end associate
-      covariance = reshape(c([1, 2, 4, 2, 3, 5, 4, 5, 6]), [3, 3])
+      covariance(3, :2) = covariance(:2, 3)
       if (least > 0.0_dp) then
          covariance = matmul(frame%scale, matmul(covariance, transpose(frame%scale)))
       else
@@ -474,7 +501,7 @@ contains
    pure subroutine find_terms(frame, n, position, p)
       type(frame_t), intent(in) :: frame !! coordinates of the patch
       integer, intent(in) :: n !! number of terms
-      real(dp), intent(in) :: position(*) !! the point, two or three coordinates [L]
+      real(dp), intent(in) :: position(frame%n_dim) !! the point [L]
       real(dp), intent(inout) :: p(max_terms) !! the terms, the first always 1
       real(dp) :: x, y, distance(2), place(3)
 

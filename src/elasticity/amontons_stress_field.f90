@@ -623,7 +623,8 @@ contains
 
       weights = corner_weights(size(mesh%coordinates, 1))
       associate (listed => patches%listed(patches%block_start(block):patches%block_start(block + 1) - 1))
-         allocate (coefficient(n_strains, max(size(mesh%coordinates, 1) + 1, maxval(patches%frame(listed)%n_terms)), size(listed)))
+         allocate (coefficient(n_strains, max(size(mesh%coordinates, 1) + 1, &
+            maxval(patches%frame(listed)%n_terms)), size(listed)))
          do i = 1, size(listed)
             associate (sides => recovered%side_start(listed(i):listed(i) + 1))
                call fit_polynomial(of_patch, patches, listed(i), mesh, recovered%sample, &
