@@ -517,7 +517,9 @@ contains
       integer :: i
 
       do i = 1, size(sides)
-         is_marked(surface%side(:2, sides(i))) = .true.
+         associate (nodes => surface%side(:size(surface%side, 1) - 1, sides(i)))
+            is_marked(pack(nodes, nodes > 0)) = .true.
+         end associate
       end do
    end subroutine mark_sides
 
