@@ -23,7 +23,7 @@ module amontons_listing
    use amontons_methods, only: method_options_t
    use amontons_model_warnings, only: facing_lengths
    use amontons_mortar_pair, only: mortar_pair_t
-   use amontons_quantity, only: quantity_t
+   use amontons_quantity, only: quantity_t, scales
    use amontons_result, only: certificate_limit, has_bar, refined_quantity_t, result_t, verdict_names
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, &
       phase_recover, phase_solve, timings_t
@@ -561,7 +561,8 @@ contains
          call listing%add(certificate_text(result%certificate, result%method%tolerance), [1.0_dp])
          if (allocated(result%error_estimate)) call listing%add( &
             heading('Accuracy (energy norm of the stress error)')// &
-            quantities_text(result%error_estimate%quantities(), label%units))
+            quantities_text(result%error_estimate%quantities(), label%units), &
+            [spread(0.0_dp, 1, 3), scales(result%error_estimate%quantities())], is_by_line=.true.)
          if (body%zone%n_points > 0) call listing%add(points_text('Contact points (normal: compression positive; '// &
             trim(merge('force: on the body)          ', 'tangential: positive along t)', result%lengths%are_areas)), &
             columns, solution%status, label%units), &

@@ -267,7 +267,7 @@ contains
             size(solution%status), result%lengths%are_areas)), scales(resultants(solution%force, &
             size(solution%status), result%lengths%are_areas)))
          if (allocated(result%error_estimate)) call summary%add(quantities_member('accuracy', &
-            result%error_estimate%quantities()))
+            result%error_estimate%quantities()), scales(result%error_estimate%quantities()))
          if (allocated(result%convergence)) then
             ! The numbers of a case on refined meshes as a member.
             text = ''
