@@ -219,7 +219,7 @@ contains
       text = text(first:last - len(line_end))
       own = index(text, ' ', back=.true.)
       if (own == 0) return
-      if (text /= with_checksum(text(:own - 1))) return
+      if (text(own:) /= checksum_of(text(:own - 1))) return
       call read_reals(replaced(text(:own - 1), ' ', ','), numbers, ok)
       associate (tables => checkpoint%tables, n => size(checkpoint%tables))
          if (.not. ok .or. size(numbers) < 2*n) return
@@ -235,13 +235,25 @@ contains
       notes_bytes = last
    end subroutine find_progress
 
-   !> A line of the checkpoint file with its checksum.
-   pure function with_checksum(line) result(text)
+   !> What a line of the checkpoint file ends with: its checksum.
+   pure function checksum_of(line) result(text)
       character(*), intent(in) :: line !! the line
       character(:), allocatable :: text
 
-      text = line//' '//to_text(text_checksum(line))
-   end function with_checksum
+      text = ' '//to_text(text_checksum(line))
+   end function checksum_of
+
+   !> Appends to a text. It may have millions of characters; what `//` makes of them lies on the stack with flang 19.
+   pure subroutine extend(text, end)
+      character(:), allocatable, intent(inout) :: text !! the text
+      character(*), intent(in) :: end !! what is appended
+      character(:), allocatable :: longer
+
+      allocate (character(len(text) + len(end)) :: longer)
+      longer(:len(text)) = text
+      longer(len(text) + 1:) = end
+      call move_alloc(longer, text)
+   end subroutine extend
 
    !> Adds rows to a table; they are written by the next save.
    pure subroutine checkpoint_add_rows(self, number, rows)
@@ -297,8 +309,11 @@ contains
          end associate
       end do
       ! The first number, which counts what is done, is written as a whole number.
-      line = line//to_text(nint(progress%numbers(1)))//' '//comma_separated(progress%numbers(2:progress%n))//checksums
-      call append_to_file(self%path, .false., with_checksum(line)//line_end, error)
+      line = line//to_text(nint(progress%numbers(1)))//' '
+      call extend(line, comma_separated(progress%numbers(2:progress%n)))
+      call extend(line, checksums)
+      call extend(line, checksum_of(line)//line_end)
+      call append_to_file(self%path, .false., line, error)
       self%last_save = wall_seconds()
    end subroutine checkpoint_save
 
