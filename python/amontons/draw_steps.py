@@ -124,12 +124,11 @@ def edges(places: Array, at_end: bool = False) -> Array:
 
 def draw_wear_or_dissipation(axes: Canvas, case: Case) -> None:
     """The worn depth of each point of the contact line; without wear what friction took there, over its length. Of a
-    solid the largest depth, or all that friction took, over the pseudo-time."""
+    solid all that friction took, over the pseudo-time."""
     table, history, largest = case.table("contact"), case.table("history"), 0.0
     wears = "max_wear_depth" in history[0]
     if case.is_solid:
-        name = "max_wear_depth" if wears else "dissipation"
-        draw_over_time(axes, case, [(name, "black")], axis_label(case, name))
+        draw_over_time(axes, case, [("dissipation", "black")], axis_label(case, "dissipation"))
         return
     sets = shown_part(case, history)
     for one in sets:

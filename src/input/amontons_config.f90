@@ -341,6 +341,7 @@ contains
          call visitor%word(key_t('condensation', 'form of the stiffness of the contact points: a dense matrix, or a'// &
             ' band matrix of the whole body, which is quicker for long contact lines of slender bodies', &
             is_shared=.true.), config%condensation%form, condensation_names)
+         if (config%condensation%form == 'band') call visitor%state_dimensions(2, 'condensation', " = 'band'")
          call visitor%close_group()
          call visitor%require(.not. (config%reduced%is_given .and. method%method == 'psor' .and. &
             method%space == 'primal'), 'space', &

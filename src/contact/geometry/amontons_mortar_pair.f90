@@ -22,6 +22,7 @@ module amontons_mortar_pair
    use amontons_boundary, only: new_patch, patch_t
    use amontons_constraints, only: constraints_t
    use amontons_contact_set, only: pairing_t
+   use amontons_dense, only: small_inverse
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: place_side
@@ -39,9 +40,8 @@ module amontons_mortar_pair
    implicit none (type, external)
    private
 
-   public :: cell_pieces, check_ends, check_overlap, gauss_rule, gauss_rule_t, held_slave_text, integrate_pair, &
-      inverse, least_cover, mortar_pair_t, mortar_piece_t, mortar_points_t, &
-      n_quadrature_points, new_mortar_pair, take_facing_sides
+   public :: cell_pieces, check_ends, check_overlap, held_slave_text, integrate_pair, least_cover, mortar_pair_t, &
+      mortar_piece_t, mortar_points_t, new_mortar_pair, take_facing_sides
 
    !> Share of a side or cell that the master covers, from one end on, for a multiplier of the other end. Where it is
    !> less the multiplier would hold the master's slope, prolonged by far, and its pressure grow without bound. It is
@@ -62,9 +62,9 @@ module amontons_mortar_pair
    !> Nodes that a piece adds to the row of a point: those of both sides.
    integer, parameter :: n_piece_nodes = 6
 
-   !> Points of the quadrature on a segment: exact for straight sides, and rounding is all that is left of the normals'
-   !> curvature.
-   integer, parameter :: n_quadrature_points = 7
+   !> Points of the quadrature on a segment in the plane, in the first and in the second integration: exact for straight
+   !> sides, and rounding is all that is left of the normals' curvature.
+   integer, parameter :: n_quadrature_points(2) = [7, 10]
 
    !> The surfaces of a pair.
    type :: mortar_pair_t
@@ -200,7 +200,7 @@ contains
          part(2, :) = (at + pair%reach(1, lead))/(1.0_dp + sum(pair%reach(:, lead)))
          part(1, :) = 1.0_dp - part(2, :)
       else
-         part = inverse(reshape([hats(segments(1)%range(1)), hats(segments(size(segments))%range(2))], [2, 2]))
+         part = small_inverse(reshape([hats(segments(1)%range(1)), hats(segments(size(segments))%range(2))], [2, 2]))
       end if
    end function part_hats
 
@@ -232,24 +232,15 @@ contains
             mass(:, 2) = mass(:, 2) + area*local*local(2)
          end do
       end do
-      dual = spread(mean, 2, 2)*inverse(mass)
+      dual = spread(mean, 2, 2)*small_inverse(mass)
    end function dual_factors
 
-   !> The inverse of a 2 by 2 matrix.
-   pure function inverse(matrix)
-      real(dp), intent(in) :: matrix(2, 2) !! the matrix, not singular
-      real(dp) :: inverse(2, 2)
-
-      inverse = reshape([matrix(2, 2), -matrix(2, 1), -matrix(1, 2), matrix(1, 1)], [2, 2]) &
-         /(matrix(1, 1)*matrix(2, 2) - matrix(1, 2)*matrix(2, 1))
-   end function inverse
-
    !> Integrates D, M, normals and gaps over the points of a pair.
-   pure subroutine integrate_pair(points, pair, segments, n_points)
+   pure subroutine integrate_pair(points, pair, segments, is_again)
       type(mortar_points_t), intent(out) :: points !! the points
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), intent(in) :: segments(:) !! its segments, or another cut of the same surfaces
-      integer, intent(in) :: n_points !! number of points of the quadrature in the plane
+      logical, intent(in) :: is_again !! whether it is the second integration, of the certificate
       real(dp), dimension(size(pair%frame, 3)) :: hat_area, shear_area
       logical :: has_partner(size(pair%frame, 3))
       integer :: axis, i, n, p
@@ -260,9 +251,10 @@ contains
       allocate (points%area(n), points%length(n), points%center(size(pair%slave%corner, 1), n), source=0.0_dp)
       points%foot = points%center
       if (size(points%center, 1) == 2) then
-         call integrate_sides(points, hat_area, shear_area, has_partner, pair, segments, n_points)
+         call integrate_sides(points, hat_area, shear_area, has_partner, pair, segments, &
+            n_quadrature_points(merge(2, 1, is_again)))
       else
-         call integrate_faces(points, pair%slave, pair%master, segments, pair%point_of, n_points /= n_quadrature_points)
+         call integrate_faces(points, pair%slave, pair%master, segments, pair%point_of, is_again)
          points%quadrature%normal = pair%frame(:, 1, :)
          hat_area = points%area
          shear_area = points%area

@@ -14,8 +14,8 @@ module amontons_pair_substitution
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_frame, only: new_frame
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: check_ends, integrate_pair, inverse, mortar_pair_t, &
-      mortar_points_t, n_quadrature_points, new_mortar_pair, take_facing_sides
+   use amontons_mortar_pair, only: check_ends, integrate_pair, mortar_pair_t, mortar_points_t, new_mortar_pair, &
+      take_facing_sides
    use amontons_rounding, only: input_rounding, sum_rounding
    use amontons_surface, only: meshed_body_t
    use amontons_taken, only: taken_t
@@ -166,7 +166,7 @@ contains
          end associate
       end do
       if (fault > 0) return
-      call integrate_pair(points, pair, pair%segments, n_quadrature_points)
+      call integrate_pair(points, pair, pair%segments, is_again=.false.)
       if (size(pair%slave%corner, 1) == 3) ends(:, pair%node) = -1
       do i = 1, size(pair%node)
          if (constraints%rigid_of(pair%node(i)) > 0) cycle
@@ -332,7 +332,7 @@ contains
       ! The least part of a side that faces the master is `input_rounding`.
       if (abs(rest(1, 1)*rest(2, 2) - rest(1, 2)*rest(2, 1)) < 0.1_dp*input_rounding**2) fault = node
       if (fault > 0) return
-      rest(:2, :2) = inverse(rest(:2, :2))
+      rest(:2, :2) = small_inverse(rest(:2, :2))
       rest(3:, 3:) = 1.0_dp/rest(3:, 3:)
       do i = 1, size(expanded%node)
          if (expanded%node(i) == node .and. .not. expanded%is_own(i)) cycle

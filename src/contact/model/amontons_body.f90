@@ -11,8 +11,8 @@ module amontons_body
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t, share_parts
    use amontons_contact_set, only: contact_t, tie_t
-   use amontons_contact_zone, only: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, n_quadrature_again, &
-      new_contact_zone, recompute_pairs, segments_again
+   use amontons_contact_zone, only: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, new_contact_zone, &
+      recompute_pairs, segments_again
    use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
    use amontons_frame, only: new_frame
@@ -21,7 +21,7 @@ module amontons_body
    use amontons_loads, only: load_on_motion, load_t
    use amontons_material, only: material_t, new_materials
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring, outer_sides
-   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t, n_quadrature_points
+   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t
    use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
@@ -182,10 +182,10 @@ contains
       call body%tie_rows%begin(nothing, 1 + body%zone%n_tangents)
       call body%checked_tie_rows%begin(nothing, 1 + body%zone%n_tangents)
       do i = 1, size(body%ties)
-         call integrate_pair(points, body%ties(i), body%ties(i)%segments, n_quadrature_points)
+         call integrate_pair(points, body%ties(i), body%ties(i)%segments, is_again=.false.)
          call body%tie_rows%add(points%rows)
          if (ties(i)%has_jump) call add_jump_drive(body, supports, ties(i)%name, i, points)
-         call integrate_pair(points, body%ties(i), segments_again(body%ties(i)), n_quadrature_again)
+         call integrate_pair(points, body%ties(i), segments_again(body%ties(i)), is_again=.true.)
          call body%checked_tie_rows%add(points%rows)
       end do
       associate (zone => body%zone)

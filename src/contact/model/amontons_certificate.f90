@@ -427,8 +427,8 @@ contains
          /maxval(body%mesh%coordinates(1, :))
       certificate%pair_force = relative(norm2(sum(on_nodes, dim=2)), sum(abs(on_nodes)))
       if (body%is_axisymmetric) return
-      reach = 0.25_dp*body%zone%weight
-      if (body%zone%n_tangents == 2) reach = 0.25_dp*sqrt(body%zone%weight)
+      ! In space the weight is an area.
+      reach = 0.25_dp*merge(body%zone%weight, sqrt(body%zone%weight), allocated(body%zone%line))
       call check_moment(moment, certificate, body, body%checked_rows, body%zone%set, reach, of_pairs, on_nodes)
       certificate%pair_moment = moment
    end subroutine check_pairs

@@ -20,7 +20,7 @@ module amontons_contact_zone
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
    use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mortar_pair_t, mortar_points_t, &
-      n_quadrature_points, new_mortar_pair, take_facing_sides
+      new_mortar_pair, take_facing_sides
    use amontons_obstacle, only: unit_vector
    use amontons_sparse_lu, only: sparse_lu_t
    use amontons_sparse_matrix, only: entries_t
@@ -29,11 +29,8 @@ module amontons_contact_zone
    implicit none (type, external)
    private
 
-   public :: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, n_quadrature_again, new_contact_zone, &
-      recompute_pairs, segments_again
-
-   !> Number of quadrature points of a segment in the second integration.
-   integer, parameter :: n_quadrature_again = n_quadrature_points + 3
+   public :: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, new_contact_zone, recompute_pairs, &
+      segments_again
 
    !> The contact points of all contact sets, each set in the order of its patch.
    type :: contact_zone_t
@@ -551,7 +548,7 @@ contains
             if (allocated(shear_fault)) pair%shear_fault = shear_fault%message
          end if
          if (allocated(error)) return
-         call integrate_pair(integrals, pair, pair%segments, n_quadrature_points)
+         call integrate_pair(integrals, pair, pair%segments, is_again=.false.)
          if (contact%pairing%has_mesh_gap()) call check_overlap(pair, integrals, body%mesh, error)
          if (allocated(error)) return
          points%line = pair%line
@@ -604,7 +601,7 @@ contains
             call rows%add(zone%rows%picked(of_set))
             cycle
          end if
-         call integrate_pair(points, zone%pairs(set), segments_again(zone%pairs(set)), n_quadrature_again)
+         call integrate_pair(points, zone%pairs(set), segments_again(zone%pairs(set)), is_again=.true.)
          call rows%add(points%rows)
          do i = 1, size(of_set)
             gap_change(of_set(i)) = mean_gap(points%quadrature, i) - mean_gap(zone%quadrature, of_set(i))

@@ -12,7 +12,7 @@ module amontons_named_forces
    use amontons_frame, only: turned
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t, recover_displacement
-   use amontons_mortar_pair, only: integrate_pair, mortar_points_t, n_quadrature_points
+   use amontons_mortar_pair, only: integrate_pair, mortar_points_t
    use amontons_quantity, only: quantity_t
    implicit none (type, external)
    private
@@ -200,7 +200,7 @@ contains
          test%held = 0.0_dp*motion
          do i = 1, size(named%member)
             associate (tie => body%ties(named%member(i)))
-               call integrate_pair(points, tie, tie%segments, n_quadrature_points)
+               call integrate_pair(points, tie, tie%segments, is_again=.false.)
                ! Of a preload the shear along the cut, and the moment about its middle.
                middle = merge(1.0_dp, 0.0_dp, tie%lead > 0 .and. component /= torque)* &
                   matmul(points%center, points%area)/sum(points%area)
