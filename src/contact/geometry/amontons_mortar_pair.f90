@@ -40,8 +40,8 @@ module amontons_mortar_pair
    implicit none (type, external)
    private
 
-   public :: cell_pieces, check_ends, check_overlap, held_slave_text, integrate_pair, least_cover, mortar_pair_t, &
-      mortar_piece_t, mortar_points_t, new_mortar_pair, take_facing_sides
+   public :: cell_pieces, check_ends, check_overlap, find_facing_parts, held_slave_text, integrate_pair, least_cover, &
+      mortar_pair_t, mortar_piece_t, mortar_points_t, new_mortar_pair, new_pair_surfaces, take_facing_sides
 
    !> Share of a side or cell that the master covers, from one end on, for a multiplier of the other end. Where it is
    !> less the multiplier would hold the master's slope, prolonged by far, and its pressure grow without bound. It is
@@ -81,6 +81,11 @@ module amontons_mortar_pair
       real(dp), allocatable :: part(:, :)
          !! means of the hats of the corners of each side over what faces the master, times the share of the side that
          !! does; they sum to this share (corners, sides) [-]
+      integer, allocatable :: carrier(:)
+         !! the point that carries the hat of each, of an `amontons_moved_pair`; not allocated else (n)
+      integer, allocatable :: end_node(:)
+         !! ends of both lines of such a pair beyond which the boundary goes on without a corner
+      integer, allocatable :: sharp_node(:) !! nodes of its master that have no mean normal
       integer, allocatable :: partner(:)
          !! the node of the master at the same place that a bonded point is joined to alone, 0 for none (n)
       real(dp), allocatable :: covered_share(:)
@@ -160,6 +165,26 @@ contains
          first = last + 1
       end do
    end subroutine corner_pieces
+
+   !> Gives the segments the hats of the corners, or of those that carry them.
+   pure subroutine hat_pieces(pieces, pair, segments)
+      type(mortar_piece_t), allocatable, intent(out) :: pieces(:) !! the pieces
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      type(mortar_segment_t), intent(in) :: segments(:) !! the segments
+      real(dp), parameter :: own(2, 2) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])
+      integer :: i
+
+      allocate (pieces(size(segments)))
+      do i = 1, size(segments)
+         associate (points => pair%carrier(pair%point_of(:, segments(i)%slave)))
+            if (points(1) == points(2)) then
+               pieces(i) = mortar_piece_t(segments(i), [points(1), 0])
+            else
+               pieces(i) = mortar_piece_t(segments(i), points, own, own, own)
+            end if
+         end associate
+      end do
+   end subroutine hat_pieces
 
    !> Cuts segments by cells of constant multipliers.
    pure subroutine cell_pieces(pieces, segments, cells)
@@ -260,6 +285,10 @@ contains
          shear_area = points%area
       end if
       do p = 1, n
+         if (points%rows%start(p + 1) - points%rows%start(p) == 1) then
+            call leave_alone(points, pair, p)
+            cycle
+         end if
          if (has_partner(p)) then
             associate (first => points%rows%start(p), corner => findloc(pair%slave%side(:2, :), pair%node(p)))
                points%center(:, p) = pair%slave%corner(:, corner(1), corner(2))
@@ -287,8 +316,8 @@ contains
          do i = points%rows%start(p), points%rows%start(p + 1) - 1
             points%rows%block(:, :, i) = matmul(pair%frame(:, :, p), points%rows%block(:, :, i))
          end do
-         if (size(points%center, 1) == 2) cycle
-         ! In space the node of a point is its first one.
+         if (size(points%center, 1) == 2 .and. .not. allocated(pair%carrier)) cycle
+         ! In space, and of a moved pair, the node of a point is its first one.
          associate (first => points%rows%start(p), last => points%rows%start(p + 1) - 1)
             i = first - 1 + findloc(points%rows%node(first:last), pair%node(p), dim=1)
             points%rows%node([first, i]) = points%rows%node([i, first])
@@ -296,6 +325,30 @@ contains
          end associate
       end do
    end subroutine integrate_pair
+
+   !> Gives a point that faces no master the displacement of its node alone, and the largest gap.
+   pure subroutine leave_alone(points, pair, p)
+      type(mortar_points_t), intent(inout) :: points !! the points
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      integer, intent(in) :: p !! the point
+      integer :: axis, at(2)
+
+      at = findloc(pair%slave%side(:2, :), pair%node(p))
+      points%center(:, p) = pair%slave%corner(:, at(1), at(2))
+      points%foot(:, p) = points%center(:, p)
+      points%rows%node(points%rows%start(p)) = pair%node(p)
+      do axis = 1, size(pair%frame, 1)
+         points%rows%block(axis, axis, points%rows%start(p)) = 1.0_dp
+      end do
+      associate (quadrature => points%quadrature, q => points%quadrature%start(p))
+         quadrature%position(:, q) = points%center(:, p)
+         quadrature%normal(:, q) = pair%frame(:2, 1, p)
+         quadrature%outward(q) = 1.0_dp
+         quadrature%arc_length(q) = pair%patch%line%arc_length(findloc(pair%patch%node, pair%node(p), dim=1))
+         quadrature%gap(q) = pair%search
+         quadrature%share(q) = 1.0_dp
+      end associate
+   end subroutine leave_alone
 
    !> Integrates them in the plane, not yet over the areas.
    pure subroutine integrate_sides(points, hat_area, shear_area, has_partner, pair, segments, n_points)
@@ -316,6 +369,8 @@ contains
 
       if (allocated(pair%cells)) then
          call cell_pieces(pieces, segments, pair%cells)
+      else if (allocated(pair%carrier)) then
+         call hat_pieces(pieces, pair, segments)
       else
          call corner_pieces(pieces, pair, segments, n_points)
       end if
@@ -324,8 +379,8 @@ contains
          p = pieces((k + 1)/2)%point(2 - modulo(k, 2))
          if (p > 0) n_pieces(p) = n_pieces(p) + 1
       end do
-      call points%rows%begin(n_piece_nodes*n_pieces + merge(2, 0, has_partner), size(pair%frame, 1))
-      call points%quadrature%begin(n_points*n_pieces, size(normal))
+      call points%rows%begin(max(1, n_piece_nodes*n_pieces + merge(2, 0, has_partner)), size(pair%frame, 1))
+      call points%quadrature%begin(merge(n_points*n_pieces, 1, n_pieces > 0 .or. has_partner), size(normal))
       rule = gauss_rule(n_points)
       begin(pair%patch%node) = pair%patch%line%arc_length
       hat_area = 0.0_dp
@@ -401,10 +456,32 @@ contains
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(taken_t), intent(in) :: taken !! what earlier sets have
       type(error_t), allocatable, intent(out) :: error
-         !! a missing set, bodies that are joined, corners in the slave, sets that do not face each other, or normals
-         !! that cross before they meet the master
-      type(patch_t) :: facing
+         !! an error of `new_pair_surfaces`, sets that do not face each other, or normals that cross before they meet
+         !! the master
       logical :: is_master(body%mesh%n_nodes)
+
+      call new_pair_surfaces(pair, is_master, set, pairing, body, .false., error)
+      if (allocated(error)) return
+      call find_facing_parts(pair)
+      if (size(pair%segments) == 0) then
+         call explain_distance(pair, error)
+         return
+      end if
+      if (size(pair%slave%corner, 1) == 2) call check_rays(pair, error)
+      if (allocated(error)) return
+      call number_points(pair, body%constraints, taken, is_master, pairing%is_tied)
+   end subroutine new_mortar_pair
+
+   !> Makes the surfaces of two boundary sets.
+   subroutine new_pair_surfaces(pair, is_master, set, pairing, body, is_apart, error)
+      type(mortar_pair_t), intent(out) :: pair !! the pair, its surfaces set
+      logical, intent(out) :: is_master(:) !! the nodes of the master (n_nodes)
+      character(*), intent(in) :: set !! name of the slave's boundary set
+      type(pairing_t), intent(in) :: pairing !! the master, and how far gaps may reach
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      logical, intent(in) :: is_apart !! whether the bodies must not be joined at the ends of the slave either
+      type(error_t), allocatable, intent(out) :: error !! a missing set, bodies that are joined, or corners in the slave
+      type(patch_t) :: facing
       integer :: i
 
       pair%label = pairing%label(set)
@@ -423,7 +500,8 @@ contains
       ! At an end of the slave bodies may be joined, as at a crack's tip; in space along edges of faces.
       associate (patch => pair%patch)
          if (allocated(patch%line)) then
-            i = findloc(is_master(patch%node) .and. patch%line%next > 0 .and. patch%line%before() > 0, .true., dim=1)
+            i = findloc(is_master(patch%node) .and. (is_apart .or. patch%line%next > 0 .and. patch%line%before() > 0), &
+               .true., dim=1)
             if (i > 0) i = patch%node(i)
          else
             i = findloc([(all(is_master(pack(patch%faces(i)%node, patch%faces(i)%node > 0))), &
@@ -450,7 +528,14 @@ contains
       end if
       pair%search = pairing%search
       if (.not. pairing%search > 0.0_dp) pair%search = 2.0_dp*max(pair%slave%longest, pair%master%longest)
-      if (allocated(facing%line)) then
+   end subroutine new_pair_surfaces
+
+   !> Finds the segments of a pair, and the parts of the slave's hats that face the master.
+   pure subroutine find_facing_parts(pair)
+      type(mortar_pair_t), intent(inout) :: pair !! the pair, its surfaces set
+      integer :: i
+
+      if (size(pair%slave%corner, 1) == 2) then
          call find_segments(pair%segments, pair%slave, pair%master, pair%search)
          pair%part = covered_parts(pair)
       else
@@ -462,14 +547,7 @@ contains
          if (.not. sum(pair%part(:, i)) >= input_rounding) pair%part(:, i) = 0.0_dp
       end do
       pair%segments = pack(pair%segments, sum(pair%part(:, pair%segments%slave), dim=1) > 0.0_dp)
-      if (size(pair%segments) == 0) then
-         call explain_distance(pair, error)
-         return
-      end if
-      if (allocated(facing%line)) call check_rays(pair, error)
-      if (allocated(error)) return
-      call number_points(pair, body%constraints, taken, is_master, pairing%is_tied)
-   end subroutine new_mortar_pair
+   end subroutine find_facing_parts
 
    !> Refuses a slave whose normals cross before they meet the master, as those of a concave surface do beyond its
    !> center of curvature: several slave positions would then face one master position. As long as normals do not cross,

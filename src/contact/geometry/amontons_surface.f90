@@ -24,9 +24,9 @@ module amontons_surface
    implicit none (type, external)
    private
 
-   public :: find_segments, gauss_rule, gauss_rule_t, is_on_mirror, join_sides, meet_master, meet_side, meeting_t, &
-      meshed_body_t, mortar_points_t, mortar_segment_t, most_aslant, new_surface, sharp, sides_near, surface_place_t, &
-      surface_t
+   public :: find_segments, find_segments_again, gauss_rule, gauss_rule_t, is_on_mirror, join_sides, meet_master, &
+      meet_side, meeting_t, meshed_body_t, mortar_points_t, mortar_segment_t, most_aslant, new_surface, sharp, &
+      sides_near, surface_place_t, surface_t
 
    !> Cosine of the smallest angle between two sides at a corner: 40 degrees.
    real(dp), parameter :: sharp = 0.766_dp
@@ -65,10 +65,13 @@ module amontons_surface
       real(dp), allocatable :: box(:, :, :)
          !! least and largest coordinates of each `n_boxed` sides that follow each other (n_dim, 2, any) [L]
       type(material_t), allocatable :: material(:) !! the material behind each side, for the depth (n_sides)
+      integer, allocatable :: next(:) !! the side that follows each, 0 for none; in the plane (n_sides)
       integer, allocatable :: mirrored_node(:) !! ends that lie on a plane of symmetry, where shear vanishes
+      real(dp), allocatable :: mirror(:, :) !! unit normals of these planes; in the plane (2, mirrored nodes) [-]
       real(dp) :: longest = 0.0_dp !! longest chord of a side [L]
       integer :: corner_node = 0 !! a node where sides meet at so sharp an angle that it has no mean normal; 0 for none
    contains
+      procedure :: move => surface_move
       procedure :: n_corners => surface_n_corners
       procedure :: n_nodes => surface_n_nodes
       procedure :: place => surface_place
@@ -156,7 +159,6 @@ contains
       integer :: i, k
 
       call join_sides(surface, body, patch%sides())
-      allocate (surface%mirrored_node(0))
       is_on_axis = on_axis(body%mesh, body%materials)
       is_corner = .false.
       is_corner(1, surface%side(1, :)) = .true.
@@ -175,12 +177,12 @@ contains
                   cycle
                end if
                if (abs(dot_product(held, normal)) > most_aslant) cycle
-               normal = normal - dot_product(held, normal)*held
-               normal = normal/norm2(normal)
                surface%mirrored_node = [surface%mirrored_node, node]
+               surface%mirror = reshape([surface%mirror, held], [2, size(surface%mirrored_node)])
             end associate
          end do
       end do
+      call surface%move(body%mesh%coordinates)
    end subroutine new_surface
 
    !> Makes a surface of sides of the boundary. Its ends have the normals of their sides on planes of symmetry as well.
@@ -189,42 +191,65 @@ contains
       class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       integer, intent(in) :: sides(:, :)
          !! first corner, second corner, middle or 0, element of each side; body on the left (4, sides)
-      real(dp) :: mean(2)
-      integer :: i, side_from(body%mesh%n_nodes), next
+      integer :: i, side_from(body%mesh%n_nodes)
 
       surface%side = sides
       surface%n_sides = size(sides, 2)
       surface%material = body%materials%list(body%materials%of_element(surface%side(4, :)))
-      allocate (surface%corner(2, 3, surface%n_sides), surface%normal(2, 3, surface%n_sides))
-      do i = 1, surface%n_sides
-         associate (corner => surface%corner(:, :, i))
-            call place_side(corner, surface%normal(:, :, i), surface%side(:3, i), body%mesh%coordinates)
-            surface%longest = max(surface%longest, norm2(corner(:, 2) - corner(:, 1)))
-         end associate
-      end do
-      call surface%set_boxes()
-      ! Nodes between two sides have the mean of their normals, unless these differ too much.
       side_from = 0
       side_from(surface%side(1, :)) = [(i, i=1, surface%n_sides)]
-      do i = 1, surface%n_sides
-         next = side_from(surface%side(2, i))
-         if (next == 0) cycle
-         if (dot_product(surface%normal(:, 2, i), surface%normal(:, 1, next)) < sharp) then
-            surface%corner_node = surface%side(2, i)
-         else
-            mean = surface%normal(:, 2, i) + surface%normal(:, 1, next)
-            surface%normal(:, 2, i) = mean/norm2(mean)
-            surface%normal(:, 1, next) = surface%normal(:, 2, i)
-         end if
-      end do
+      surface%next = side_from(surface%side(2, :))
+      allocate (surface%corner(2, 3, surface%n_sides), surface%normal(2, 3, surface%n_sides), &
+         surface%mirrored_node(0), surface%mirror(2, 0))
+      call surface%move(body%mesh%coordinates)
    end subroutine join_sides
+
+   !> Puts a surface in the plane where its nodes are. What is mirrored stays so.
+   pure subroutine surface_move(self, coordinates)
+      class(surface_t), intent(inout) :: self !! the surface
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the mesh's nodes (2, n_nodes) [L]
+      real(dp) :: mean(2)
+      integer :: i, at(2)
+
+      self%corner_node = 0
+      self%longest = 0.0_dp
+      do i = 1, self%n_sides
+         associate (corner => self%corner(:, :, i))
+            call place_side(corner, self%normal(:, :, i), self%side(:3, i), coordinates)
+            self%longest = max(self%longest, norm2(corner(:, 2) - corner(:, 1)))
+         end associate
+      end do
+      call self%set_boxes()
+      ! Nodes between two sides have the mean of their normals, unless these differ too much.
+      do i = 1, self%n_sides
+         if (self%next(i) == 0) cycle
+         associate (before => self%normal(:, 2, i), behind => self%normal(:, 1, self%next(i)))
+            if (dot_product(before, behind) < sharp) then
+               self%corner_node = self%side(2, i)
+            else
+               mean = before + behind
+               before = mean/norm2(mean)
+               behind = before
+            end if
+         end associate
+      end do
+      do i = 1, size(self%mirrored_node)
+         at = findloc(self%side(:2, :), self%mirrored_node(i))
+         associate (normal => self%normal(:, at(1), at(2)), held => self%mirror(:, i))
+            normal = normal - dot_product(held, normal)*held
+            normal = normal/norm2(normal)
+         end associate
+      end do
+   end subroutine surface_move
 
    !> Sets the bounding boxes of the sides.
    pure subroutine surface_set_boxes(self)
       class(surface_t), intent(inout) :: self !! the surface
       integer :: i
 
-      allocate (self%box(size(self%corner, 1), 2, (self%n_sides + n_boxed - 1)/n_boxed))
+      if (.not. allocated(self%box)) then
+         allocate (self%box(size(self%corner, 1), 2, (self%n_sides + n_boxed - 1)/n_boxed))
+      end if
       do i = 1, size(self%box, 3)
          associate (corner => self%corner(:, :, n_boxed*(i - 1) + 1:min(n_boxed*i, self%n_sides)))
             self%box(:, 1, i) = minval(minval(corner, dim=3), dim=2)
@@ -335,6 +360,95 @@ contains
       end do
       segments = segments(:n)
    end subroutine find_segments
+
+   !> Cuts sides of the slave a second time, by bisection between rays that meet different sides of the master.
+   pure subroutine find_segments_again(segments, slave, master, search, facing)
+      type(mortar_segment_t), allocatable, intent(out) :: segments(:) !! the segments
+      type(surface_t), intent(in) :: slave !! the slave
+      type(surface_t), intent(in) :: master !! the master
+      real(dp), intent(in) :: search !! largest magnitude of a gap [L]
+      integer, intent(in) :: facing(:) !! the sides of the slave that face the master, any number of times
+      ! Parts of a side to begin with, for each side of the master that is near, or would be if all were as short as the
+      ! shortest; a part is cut further where its ends meet different sides. What a side meets last at either end may be
+      ! short.
+      integer, parameter :: n_parts = 8
+      real(dp), parameter :: edge = 1.0e-9_dp, most = 1.0e5_dp ! beside a corner the side is certain
+      type(meeting_t) :: meeting
+      integer, allocatable :: near(:)
+      logical, allocatable :: counts(:)
+      real(dp) :: low, high
+      logical :: faces(slave%n_sides)
+      integer :: side, part, n
+
+      faces = .false.
+      faces(facing) = .true.
+      allocate (segments(0))
+      do side = 1, slave%n_sides
+         if (.not. faces(side)) cycle
+         near = sides_near(slave, side, master, search)
+         low = edge - 1.0_dp
+         segments = [segments, mortar_segment_t(side, met_side(slave, master, side, near, low), [-1.0_dp, -1.0_dp])]
+         associate (others => master%corner(:, :, near), own => slave%corner(:, :, side))
+            n = n_parts*max(size(near), ceiling(min(most, norm2(own(:, 2) - own(:, 1)) &
+               /minval(norm2(others(:, 2, :) - others(:, 1, :), dim=1)))))
+         end associate
+         do part = 1, n
+            high = min(1.0_dp - edge, 2.0_dp*part/n - 1.0_dp)
+            call cut_by_rays(segments, slave, master, near, low, high, met_side(slave, master, side, near, high))
+            low = high
+         end do
+         segments(size(segments))%range(2) = 1.0_dp
+      end do
+      allocate (counts(size(segments)), source=.false.)
+      do part = 1, size(segments)
+         associate (segment => segments(part))
+            if (segment%master == 0) cycle
+            meeting = meet_master(master, [segment%master], slave%place(segment%slave, 0.5_dp*sum(segment%range)), &
+               search)
+            counts(part) = meeting%side > 0
+         end associate
+      end do
+      segments = pack(segments, counts)
+   end subroutine find_segments_again
+
+   !> The master's side that the ray from a position on the slave meets, at any distance; 0 if there is none.
+   pure integer function met_side(slave, master, side, near, xi) result(met)
+      type(surface_t), intent(in) :: slave !! the slave
+      type(surface_t), intent(in) :: master !! the master
+      integer, intent(in) :: side !! the slave's side
+      integer, intent(in) :: near(:) !! the master's sides in reach of it
+      real(dp), intent(in) :: xi !! the place on it [-]
+      type(meeting_t) :: meeting
+
+      meeting = meet_master(master, near, slave%place(side, xi), huge(1.0_dp))
+      met = meeting%side
+   end function met_side
+
+   !> Cuts part of a slave's side where the rays begin to meet another side of the master, by recursive bisection; the
+   !> last segment ends at each cut.
+   pure recursive subroutine cut_by_rays(segments, slave, master, near, low, high, last)
+      type(mortar_segment_t), allocatable, intent(inout) :: segments(:) !! the segments so far, the last one without end
+      type(surface_t), intent(in) :: slave !! the slave
+      type(surface_t), intent(in) :: master !! the master
+      integer, intent(in) :: near(:) !! the master's sides in reach of the slave's side
+      real(dp), intent(in) :: low !! a place in the last segment [-]
+      real(dp), intent(in) :: high !! the place up to which [-]
+      integer, intent(in) :: last !! the side that its ray meets, 0 for none
+      real(dp) :: middle
+      integer :: met, side
+
+      if (segments(size(segments))%master == last) return
+      side = segments(size(segments))%slave
+      middle = 0.5_dp*(low + high)
+      if (high - low <= 4.0_dp*epsilon(1.0_dp)) then
+         segments(size(segments))%range(2) = middle
+         segments = [segments, mortar_segment_t(side, last, [middle, middle])]
+         return
+      end if
+      met = met_side(slave, master, side, near, middle)
+      call cut_by_rays(segments, slave, master, near, low, middle, met)
+      call cut_by_rays(segments, slave, master, near, middle, high, last)
+   end subroutine cut_by_rays
 
    !> The sides of the master whose bounding boxes are within reach of that of a side of the slave.
    pure function sides_near(slave, side, master, search) result(near)

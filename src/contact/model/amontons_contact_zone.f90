@@ -24,7 +24,7 @@ module amontons_contact_zone
    use amontons_obstacle, only: unit_vector
    use amontons_sparse_lu, only: sparse_lu_t
    use amontons_sparse_matrix, only: entries_t
-   use amontons_surface, only: meet_master, meeting_t, meshed_body_t, mortar_segment_t, sides_near
+   use amontons_surface, only: find_segments_again, meshed_body_t, mortar_segment_t
    use amontons_taken, only: taken_t
    implicit none (type, external)
    private
@@ -623,90 +623,14 @@ contains
    pure function segments_again(pair) result(segments)
       type(mortar_pair_t), intent(in) :: pair !! the pair
       type(mortar_segment_t), allocatable :: segments(:)
-      ! Parts of a side to begin with, for each side of the master that is near, or would be if all were as short as the
-      ! shortest; a part is cut further where its ends meet different sides. What a side meets last at either end may be
-      ! short.
-      integer, parameter :: n_parts = 8
-      real(dp), parameter :: edge = 1.0e-9_dp, most = 1.0e5_dp ! beside a corner the side is certain
-      type(meeting_t) :: meeting
-      integer, allocatable :: near(:)
-      logical, allocatable :: counts(:)
-      real(dp) :: low, high
-      logical :: faces(pair%slave%n_sides)
-      integer :: side, part, n
 
       if (size(pair%slave%corner, 1) == 3) then
          call find_face_segments(segments, pair%slave, pair%master, pair%search, .true.)
          segments = pack(segments, sum(pair%part(:, segments%slave), dim=1) > 0.0_dp)
-         return
+      else
+         call find_segments_again(segments, pair%slave, pair%master, pair%search, pair%segments%slave)
       end if
-      faces = .false.
-      faces(pair%segments%slave) = .true.
-      allocate (segments(0))
-      do side = 1, pair%slave%n_sides
-         if (.not. faces(side)) cycle
-         near = sides_near(pair%slave, side, pair%master, pair%search)
-         low = edge - 1.0_dp
-         segments = [segments, mortar_segment_t(side, met_side(pair, side, near, low), [-1.0_dp, -1.0_dp])]
-         associate (master => pair%master%corner(:, :, near), slave => pair%slave%corner(:, :, side))
-            n = n_parts*max(size(near), ceiling(min(most, norm2(slave(:, 2) - slave(:, 1)) &
-               /minval(norm2(master(:, 2, :) - master(:, 1, :), dim=1)))))
-         end associate
-         do part = 1, n
-            high = min(1.0_dp - edge, 2.0_dp*part/n - 1.0_dp)
-            call cut_by_rays(segments, pair, near, low, high, met_side(pair, side, near, high))
-            low = high
-         end do
-         segments(size(segments))%range(2) = 1.0_dp
-      end do
-      allocate (counts(size(segments)), source=.false.)
-      do part = 1, size(segments)
-         associate (segment => segments(part))
-            if (segment%master == 0) cycle
-            meeting = meet_master(pair%master, [segment%master], pair%slave%place(segment%slave, &
-               0.5_dp*sum(segment%range)), pair%search)
-            counts(part) = meeting%side > 0
-         end associate
-      end do
-      segments = pack(segments, counts)
    end function segments_again
-
-   !> The master's side that the ray from a position on the slave meets, at any distance; 0 if there is none.
-   pure integer function met_side(pair, side, near, xi) result(met)
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      integer, intent(in) :: side !! the slave's side
-      integer, intent(in) :: near(:) !! the master's sides in reach of it
-      real(dp), intent(in) :: xi !! the place on it [-]
-      type(meeting_t) :: meeting
-
-      meeting = meet_master(pair%master, near, pair%slave%place(side, xi), huge(1.0_dp))
-      met = meeting%side
-   end function met_side
-
-   !> Cuts part of a slave's side where the rays begin to meet another side of the master, by recursive bisection; the
-   !> last segment ends at each cut.
-   pure recursive subroutine cut_by_rays(segments, pair, near, low, high, last)
-      type(mortar_segment_t), allocatable, intent(inout) :: segments(:) !! the segments so far, the last one without end
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      integer, intent(in) :: near(:) !! the master's sides in reach of the slave's side
-      real(dp), intent(in) :: low !! a place in the last segment [-]
-      real(dp), intent(in) :: high !! the place up to which [-]
-      integer, intent(in) :: last !! the side that its ray meets, 0 for none
-      real(dp) :: middle
-      integer :: met, side
-
-      if (segments(size(segments))%master == last) return
-      side = segments(size(segments))%slave
-      middle = 0.5_dp*(low + high)
-      if (high - low <= 4.0_dp*epsilon(1.0_dp)) then
-         segments(size(segments))%range(2) = middle
-         segments = [segments, mortar_segment_t(side, last, [middle, middle])]
-         return
-      end if
-      met = met_side(pair, side, near, middle)
-      call cut_by_rays(segments, pair, near, low, middle, met)
-      call cut_by_rays(segments, pair, near, middle, high, last)
-   end subroutine cut_by_rays
 
    !> The constant of one contact set; 0 if some multiplier does no work on any displacement [-].
    !>
