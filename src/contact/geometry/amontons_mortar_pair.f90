@@ -285,10 +285,7 @@ contains
          shear_area = points%area
       end if
       do p = 1, n
-         if (points%rows%start(p + 1) - points%rows%start(p) == 1) then
-            call leave_alone(points, pair, p)
-            cycle
-         end if
+         if (points%rows%start(p + 1) - points%rows%start(p) == 1) cycle
          if (has_partner(p)) then
             associate (first => points%rows%start(p), corner => findloc(pair%slave%side(:2, :), pair%node(p)))
                points%center(:, p) = pair%slave%corner(:, corner(1), corner(2))
@@ -326,30 +323,6 @@ contains
       end do
    end subroutine integrate_pair
 
-   !> Gives a point that faces no master the displacement of its node alone, and the largest gap.
-   pure subroutine leave_alone(points, pair, p)
-      type(mortar_points_t), intent(inout) :: points !! the points
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      integer, intent(in) :: p !! the point
-      integer :: axis, at(2)
-
-      at = findloc(pair%slave%side(:2, :), pair%node(p))
-      points%center(:, p) = pair%slave%corner(:, at(1), at(2))
-      points%foot(:, p) = points%center(:, p)
-      points%rows%node(points%rows%start(p)) = pair%node(p)
-      do axis = 1, size(pair%frame, 1)
-         points%rows%block(axis, axis, points%rows%start(p)) = 1.0_dp
-      end do
-      associate (quadrature => points%quadrature, q => points%quadrature%start(p))
-         quadrature%position(:, q) = points%center(:, p)
-         quadrature%normal(:, q) = pair%frame(:2, 1, p)
-         quadrature%outward(q) = 1.0_dp
-         quadrature%arc_length(q) = pair%patch%line%arc_length(findloc(pair%patch%node, pair%node(p), dim=1))
-         quadrature%gap(q) = pair%search
-         quadrature%share(q) = 1.0_dp
-      end associate
-   end subroutine leave_alone
-
    !> Integrates them in the plane, not yet over the areas.
    pure subroutine integrate_sides(points, hat_area, shear_area, has_partner, pair, segments, n_points)
       type(mortar_points_t), intent(inout) :: points !! the points
@@ -386,33 +359,42 @@ contains
       hat_area = 0.0_dp
       shear_area = 0.0_dp
       filled = 0
+      ! A point without pieces has the displacement of its node alone.
+      do p = 1, merge(size(n_pieces), 0, allocated(pair%carrier))
+         if (n_pieces(p) > 0) cycle
+         points%rows%node(points%rows%start(p)) = pair%node(p)
+         do axis = 1, size(pair%frame, 1)
+            points%rows%block(axis, axis, points%rows%start(p)) = 1.0_dp
+         end do
+      end do
       do i = 1, size(pieces)
-         do k = 1, 2
-            p = pieces(i)%point(k)
-            if (p == 0) cycle
-            first_node = points%rows%start(p) + n_piece_nodes*filled(p) - 1
-            associate (segment => pieces(i)%segment, node => points%rows%node, &
-               block => points%rows%block(:, :, first_node + 1:first_node + 6), quadrature => points%quadrature, &
-               slave => pair%slave, master => pair%master)
-               ! Blocks are diagonal first, the shares in the displacements along normal and tangents.
-               ! A straight side has no middle node: its part there is 0, and no entry remains of it.
-               node(first_node + 1:first_node + 6) = [slave%side(:3, segment%slave), master%side(:3, segment%master)]
-               do l = 1, size(rule%xi)
-                  at = 0.5_dp*(sum(segment%range) + (segment%range(2) - segment%range(1))*rule%xi(l))
-                  place = slave%place(segment%slave, at)
-                  normal = place%normal/norm2(place%normal)
-                  foot = master%place(segment%master, place_on(meet_side(master%corner(:, :, segment%master), &
-                     place%position, normal)))
-                  area = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(l)*norm2(place%along)*place%depth
+         associate (segment => pieces(i)%segment, node => points%rows%node, quadrature => points%quadrature, &
+            slave => pair%slave, master => pair%master)
+            do l = 1, size(rule%xi)
+               at = 0.5_dp*(sum(segment%range) + (segment%range(2) - segment%range(1))*rule%xi(l))
+               place = slave%place(segment%slave, at)
+               normal = place%normal/norm2(place%normal)
+               foot = master%place(segment%master, place_on(meet_side(master%corner(:, :, segment%master), &
+                  place%position, normal)))
+               area = 0.5_dp*(segment%range(2) - segment%range(1))*rule%weight(l)*norm2(place%along)*place%depth
+               do k = 1, 2
+                  p = pieces(i)%point(k)
+                  if (p == 0) cycle
+                  first_node = points%rows%start(p) + n_piece_nodes*filled(p) - 1
                   psi = [dot_product(pieces(i)%psi(k, :), hats(at)), dot_product(pieces(i)%shear(k, :), hats(at))]*area
                   hat = dot_product(pieces(i)%hat(k, :), hats(at))*area
                   shares(:, 1) = psi(1)*[place%values, -foot%values]
                   shares(:, 2) = psi(2)*[place%values, -foot%values]
                   ! Around the axis angles are compared: depths are circumferences.
                   if (size(shares, 2) > 2) shares(:, 3) = psi(1)*[place%values, -foot%values*place%depth/foot%depth]
-                  do axis = 1, size(shares, 2)
-                     block(axis, axis, :) = block(axis, axis, :) + shares(:, axis)
-                  end do
+                  ! Blocks are diagonal first, the shares in the displacements along normal and tangents.
+                  ! A straight side has no middle node: its part there is 0, and no entry remains of it.
+                  node(first_node + 1:first_node + 6) = [slave%side(:3, segment%slave), master%side(:3, segment%master)]
+                  associate (block => points%rows%block(:, :, first_node + 1:first_node + 6))
+                     do axis = 1, size(shares, 2)
+                        block(axis, axis, :) = block(axis, axis, :) + shares(:, axis)
+                     end do
+                  end associate
                   points%area(p) = points%area(p) + psi(1)
                   shear_area(p) = shear_area(p) + psi(2)
                   points%length(p) = points%length(p) + hat/place%depth
@@ -428,8 +410,11 @@ contains
                   quadrature%share(q) = hat
                   quadrature%gap(q) = dot_product(foot%position - place%position, normal)
                end do
-            end associate
-            filled(p) = filled(p) + 1
+            end do
+         end associate
+         do k = 1, 2
+            p = pieces(i)%point(k)
+            if (p > 0) filled(p) = filled(p) + 1
          end do
       end do
    end subroutine integrate_sides

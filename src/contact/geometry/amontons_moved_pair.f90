@@ -71,7 +71,7 @@ contains
 
    end subroutine new_moved_pair
 
-   !> The ends of a surface beyond which the boundary of its body goes on without a corner: contact might leave it there.
+   !> The ends of a surface beyond which the boundary goes on without a corner: contact may leave it there.
    pure function open_ends(surface, body) result(nodes)
       type(surface_t), intent(in) :: surface !! the surface
       type(meshed_body_t), intent(in) :: body !! mesh and its boundary
@@ -157,10 +157,29 @@ contains
       logical, intent(in) :: is_again
          !! whether it is the second integration, of the certificate, with another cut and other quadrature points
       type(mortar_segment_t), allocatable :: segments(:)
+      real(dp) :: arc_length(maxval(pair%patch%node))
+      integer :: i, k, p
 
       segments = pair%segments
       if (is_again) call find_segments_again(segments, pair%slave, pair%master, pair%search, pair%segments%slave)
       call integrate_pair(points, pair, segments, is_again)
+      arc_length(pair%patch%node) = pair%patch%line%arc_length
+      do i = 1, pair%slave%n_sides
+         do k = 1, 2
+            p = pair%point_of(k, i)
+            if (points%area(p) > 0.0_dp) cycle
+            points%center(:, p) = pair%slave%corner(:, k, i)
+            points%foot(:, p) = points%center(:, p)
+            associate (quadrature => points%quadrature, q => points%quadrature%start(p))
+               quadrature%position(:, q) = points%center(:, p)
+               quadrature%normal(:, q) = pair%frame(:2, 1, p)
+               quadrature%outward(q) = 1.0_dp
+               quadrature%arc_length(q) = arc_length(pair%node(p))
+               quadrature%gap(q) = pair%search
+               quadrature%share(q) = 1.0_dp
+            end associate
+         end do
+      end do
    end subroutine integrate_moved_pair
 
 end module amontons_moved_pair
