@@ -32,10 +32,10 @@ module amontons_rigid_motion
       integer :: n_components = 2 !! number of components of a displacement
       integer :: n_joints = 0 !! number of joints
       integer :: n_jumps = 0 !! number of jumps, which come first among them
-      real(dp), allocatable :: joint(:, :) !! direction of each jump [-], position of each hinge [L] (2, n_joints)
+      real(dp), allocatable :: joint(:, :) !! direction of each jump [-], position of each hinge [L] (n_dim, n_joints)
       integer, allocatable :: part(:) !! the part that each node belongs to; not allocated without joints (n_nodes)
       real(dp), allocatable :: way(:, :, :)
-         !! translation x, translation y and rotation of each part per joint (3, n_joints, parts) [-]
+         !! translations and rotations of each part per joint (n_motions, n_joints, parts) [-]
    contains
       procedure :: describe => rigid_motions_describe
       procedure :: displacement => rigid_motions_displacement
@@ -57,7 +57,7 @@ contains
       integer, intent(in) :: bonds(:, :)
          !! pairs of nodes that hold together, too, and the free jump of the first one against the second, 0 for none
          !! (3, bonds)
-      real(dp), intent(in) :: jumps(:, :) !! direction of each jump, a unit vector (2, jumps) [-]
+      real(dp), intent(in) :: jumps(:, :) !! direction of each jump, a unit vector (n_dim, jumps) [-]
       ! Held directions are known to about 1e-6; a square of that is noise in the Gram matrix.
       real(dp), parameter :: negligible = 1.0e-12_dp
       type(mesh_t) :: parted
@@ -245,13 +245,13 @@ contains
       integer, intent(in) :: part(:) !! the part that each node belongs to
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
       integer, intent(in) :: links(:, :) !! pairs of nodes of the piece, and number of the joint between them (3, links)
-      real(dp), intent(in) :: jumps(:, :) !! direction of each jump (2, jumps) [-]
+      real(dp), intent(in) :: jumps(:, :) !! direction of each jump (n_dim, jumps) [-]
       integer, allocatable :: number(:)
       logical, allocatable :: is_known(:), is_used(:)
       real(dp), allocatable :: way(:, :)
-      real(dp) :: motion(3)
+      real(dp) :: motion(motions%n_motions)
       logical :: is_changed
-      integer :: i, k, side(2)
+      integer :: i, k, n, side(2)
 
       allocate (number(0))
       do i = 1, size(links, 2)
@@ -259,12 +259,11 @@ contains
       end do
       motions%n_joints = size(number)
       motions%n_jumps = count(number <= size(jumps, 2))
-      associate (n => motions%n_motions + size(number))
-         allocate (gram(n, n), source=0.0_dp)
-      end associate
+      n = motions%n_motions
+      allocate (gram(n + size(number), n + size(number)), source=0.0_dp)
       if (size(number) == 0) return
       motions%part = part(:size(coordinates, 2))
-      allocate (motions%joint(2, size(number)), motions%way(3, size(number), maxval(part)), source=0.0_dp)
+      allocate (motions%joint(size(jumps, 1), size(number)), motions%way(n, size(number), maxval(part)), source=0.0_dp)
       allocate (is_known(maxval(part)), is_used(size(number)), source=.false.)
       is_known(part(motions%node(1))) = .true.
       is_used(:motions%n_jumps) = .true.
@@ -288,17 +287,17 @@ contains
          way = motions%way(:, :, part(links(1, i))) - motions%way(:, :, part(links(2, i)))
          motion = motion_of(i)
          if (k <= motions%n_jumps) then
-            motions%joint(:, k) = motion(:2)
+            motions%joint(:, k) = motion(:size(jumps, 1))
             way(:, k) = way(:, k) - motion
          else
             ! The displacement at the hinge, whatever the rotation.
             motions%joint(:, k) = coordinates(:, links(1, i))
-            way = way - spread(motion, 2, size(way, 2))*spread(way(3, :), 1, 3)
+            way = way - spread(motion, 2, size(way, 2))*spread(way(3, :), 1, n)
          end if
-         gram(4:, 4:) = gram(4:, 4:) + matmul(transpose(way), way)
+         gram(n + 1:, n + 1:) = gram(n + 1:, n + 1:) + matmul(transpose(way), way)
       end do
       do k = 1, size(number)
-         if (.not. is_used(k)) gram(3 + k, 3 + k) = 1.0_dp
+         if (.not. is_used(k)) gram(n + k, n + k) = 1.0_dp
       end do
 
    contains
@@ -310,13 +309,14 @@ contains
          number_of = findloc(number, links(3, link), dim=1)
       end function number_of
 
-      !> The relative motion that a joint allows: along the jump, or a rotation about the hinge (3) [-].
+      !> The relative motion that a joint allows: along the jump, or a rotation about the hinge (n_motions) [-].
       pure function motion_of(link)
          integer, intent(in) :: link !! number of the link
-         real(dp) :: motion_of(3)
+         real(dp) :: motion_of(motions%n_motions)
 
          if (links(3, link) <= size(jumps, 2)) then
-            motion_of = [jumps(:, links(3, link)), 0.0_dp]
+            motion_of = 0.0_dp
+            motion_of(:size(jumps, 1)) = jumps(:, links(3, link))
          else
             associate (arm => (coordinates(:, links(1, link)) - motions%center)/motions%radius)
                motion_of = [arm(2), -arm(1), 1.0_dp]
@@ -349,8 +349,10 @@ contains
       end if
       do k = 1, self%n_joints
          associate (way => self%way(:, k, self%part(node)))
-            displacement(:2, 3 + k) = way(:2)
-            if (self%n_components == 2) displacement(:, 3 + k) = displacement(:, 3 + k) + way(3)*displacement(:, 3)
+            associate (n => self%n_motions + k)
+               displacement(:size(point), n) = way(:size(point))
+               if (self%n_components == 2) displacement(:, n) = displacement(:, n) + way(3)*displacement(:, 3)
+            end associate
          end associate
       end do
    end function rigid_motions_unit_motions
@@ -449,31 +451,28 @@ contains
       is_shown = abs(nint(1.0e4_dp*motion)) > 1
       text = 'the body'
       if (.not. self%is_whole) text = 'the piece around '//place_text(self%center)
-      if (self%n_motions == 6) then
-         text = text//' is free to'
-         if (any(is_shown(:3))) text = text//' translate along '//direction_text(motion(:3))
-         if (all([any(is_shown(:3)), any(is_shown(4:6))])) text = text//' and'
-         if (any(is_shown(4:6))) text = text//' rotate about '//direction_text(motion(4:6))
-         return
-      end if
-      if (any(is_shown(4 + self%n_jumps:))) then
+      if (any(is_shown(self%n_motions + self%n_jumps + 1:))) then
          k = maxloc(abs(motion(4 + self%n_jumps:)), dim=1) + self%n_jumps
          text = 'a part of '//text//' is free to turn about the node at '//place_text(self%joint(:, k))// &
             ', which alone joins it to another part'
          return
       end if
       text = text//' is free to'
-      if (any(is_shown(:2))) text = text//' translate along ('//short(motion(1))//', '//short(motion(2))//')'
-      if (is_shown(3)) then
-         if (any(is_shown(:2))) text = text//' and'
-         if (self%n_components > 2) then
+      if (self%n_motions == 6) then
+         if (any(is_shown(:3))) text = text//' translate along '//direction_text(motion(:3))
+         if (all([any(is_shown(:3)), any(is_shown(4:6))])) text = text//' and'
+         if (any(is_shown(4:6))) text = text//' rotate about '//direction_text(motion(4:6))
+      else
+         if (any(is_shown(:2))) text = text//' translate along ('//short(motion(1))//', '//short(motion(2))//')'
+         if (is_shown(3) .and. any(is_shown(:2))) text = text//' and'
+         if (is_shown(3) .and. self%n_components > 2) then
             text = text//' rotate about the axis'
-         else
+         else if (is_shown(3)) then
             text = text//' rotate '//trim(merge('counter-clockwise', 'clockwise        ', motion(3) > 0.0_dp))
          end if
       end if
-      if (any(is_shown(4:))) then
-         if (any(is_shown(:3))) text = text//' and'
+      if (any(is_shown(self%n_motions + 1:))) then
+         if (any(is_shown(:self%n_motions))) text = text//' and'
          text = text//' move along the preload on one side of it'
       end if
    end function rigid_motions_describe

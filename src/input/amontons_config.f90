@@ -406,7 +406,6 @@ contains
                trim(merge('three', 'two  ', n_dim == 3))//' coordinates for each node, found '// &
                to_text(size(probes))//' numbers')
          end if
-         if (n_dim == 3) call refuse_in_space(faults, config)
       end associate
       if (faults%n > 0) call new_error(error, input_refused, faults%text())
 
@@ -432,17 +431,5 @@ contains
       end subroutine check_name
 
    end subroutine check_names
-
-   !> Records what is not possible with solids yet.
-   subroutine refuse_in_space(faults, config)
-      type(fault_list_t), intent(inout) :: faults !! gains a line of text for each
-      type(config_t), intent(in) :: config !! the case
-      character(*), parameter :: sentence = ' of solids is not possible yet'
-      integer :: i
-
-      do i = 1, size(config%ties)
-         if (config%ties(i)%has_jump) call faults%add(0, config%ties(i)%origin//'a preload'//sentence)
-      end do
-   end subroutine refuse_in_space
 
 end module amontons_config

@@ -359,7 +359,8 @@ contains
    !=key_results `force_moment_NAME` | F L | its moment about the origin
    !=key_results `tie_x_NAME`, `tie_y_NAME` | F | what a tie exerts on the body of its `set`
    !=key_results `tie_moment_NAME` | F L | its moment about the origin; of a preload about the middle of the cut
-   !=key_results `tie_tangential_NAME` | F | shear of a preload along the cut, on the body of its `set`
+   !=key_results `tie_tangential_NAME` | F | shear of a preload along the cut, on the body of its `set`; in a
+   !=   solid `tie_x_NAME`, `tie_y_NAME` and `tie_z_NAME` are the shear
    !=key_results `reaction_torque_NAME`, `force_torque_NAME`, `tie_torque_NAME` | F L | of a twisted body: moments about
    !=   the axis
    !> The largest pressure, shear and slip of the contact points. The slip of open points, and of points whose

@@ -5,7 +5,7 @@ import shutil
 import unittest
 
 from harness import ProgramTest, block
-from test_preload import HEAD, K_BOLT, K_SLEEVE, LID, PRELOAD, SCREW, SLEEVE
+from test_preload import HEAD, K_BOLT, K_SLEEVE, LID, PRELOAD, PRISM, SCREW, SLEEVE
 
 # A punch that a force presses on a block, by friction; the block's ground moves later.
 PUNCH = """&mesh name = 'a'  size = 2.0, 1.0  cells = 6, 3  origin = 1.0, 1.0  element = '{element}' /
@@ -66,6 +66,26 @@ class Lock(ProgramTest):
                               [5.0 + load*K_BOLT/(K_BOLT + K_SLEEVE), 5.0 - load*K_SLEEVE/(K_BOLT + K_SLEEVE)], 1e-12)
         self.assertIn("bolt: preload at 'b.bottom', shortening under force = 5.0, locked from time 1.0\n",
                       (self.directory / "case.lst").read_text(encoding="utf-8"))
+
+    def test_solid_bolt_in_a_sleeve(self):
+        # Springs in parallel as above, k = E A/L; the sleeve is pressed on its ground by contact alone.
+        bolt, sleeve = 100.0*1.2/4.0, 30.0*2.0/4.0
+        for elements in ("hex8", "hex8"), ("tet10", "hex20"):
+            text = PRISM.format(*elements, poisson=0.0) + f"""
+&mesh name = 's'  kind = 'box'  size = 2.0, 1.0, 4.0  cells = 2, 1, 2  origin = 3.0, 0.0, 0.0 /
+&material young = 30.0  poisson = 0.0  region = 's' /
+&contact name = 'base'  set = 's.bottom'  friction = 0.1 /
+&rigid name = 'head'  set = 'b.top, s.top'  ux = 0.0  uy = 0.0  turn_x = 0.0  turn_y = 0.0  turn_z = 0.0
+       force = 0.0, 0.0, 3.0 /
+"""
+            rows = self.walk(text + PRELOAD.format("force = 5.0  lock_time = 1.0") + WAY
+                             + STEPS.format("load", "bolt", GIVEN) + STEPS.format("load", "head", LATER))
+            for row in rows[3:]:
+                time = float(row["time"])
+                load = 3.0*(time - 1.0 if time < 2.0 else 1.0 - 1.5*(time - 2.0))
+                self.assert_close([float(row["preload_bolt_force"]), float(row["normal_force"])],
+                                  [5.0 + load*bolt/(bolt + sleeve), 5.0 - load*sleeve/(bolt + sleeve)], 1e-9)
+            self.assertAlmostEqual(float(rows[-1]["preload_bolt_shortening"]), 5.0/bolt + 5.0/sleeve, delta=1e-12)
 
     def test_punch_is_locked(self):
         rigid = "&rigid name = 'p'  set = 'a.top'  ux = 0.0  turn = 0.0  DRIVEN /\n"

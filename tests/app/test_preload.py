@@ -4,6 +4,8 @@ import csv
 import unittest
 
 from harness import ProgramTest
+from mapped_mesh import mapped_mesh
+from mapped_solid import mapped_solid
 
 # A bar of 1 x 4 in two pieces, E = 100, whose meshes do not match, along y.
 BAR = """&mesh name = 'a'  size = 1.0, 1.5  cells = 2, 3  element = '{element}' /
@@ -49,6 +51,22 @@ SCREW = """&mesh name = 'foot'  size = 1.0, 4.0  cells = 2, 8 /
 &contact name = 'seat'  set = 'head.bottom'  against = 'flange.top'  friction = 0.1 /
 &preload name = 'screw'  set = 'top.bottom'  to = 'foot.top'  {} /
 """
+# Of solids of 1 x 1.2 x 4 along z, E = 100; the cut is at z = 1.5.
+PRISM = """&mesh name = 'a'  kind = 'box'  size = 1.0, 1.2, 1.5  cells = 2, 2, 2  element = '{}' /
+&mesh name = 'b'  kind = 'box'  size = 1.0, 1.2, 2.5  cells = 3, 2, 3  origin = 0.0, 0.0, 1.5  element = '{}' /
+&material young = 100.0  poisson = {poisson} /
+&support name = 'foot'  set = 'a.bottom'  ux = 0.0  uy = 0.0  uz = 0.0 /
+"""
+
+
+def turned(x, y, z):
+    """A vector by its components along (2, -2, -1)/3, (-1, -2, 2)/3 and (-2, -1, -2)/3."""
+    return [(2*x - y - 2*z)/3, (-2*x - 2*y - z)/3, (-x + 2*y - 2*z)/3]
+
+
+def cross(a, b):
+    """The vector product."""
+    return [a[(k + 1) % 3]*b[(k + 2) % 3] - a[(k + 2) % 3]*b[(k + 1) % 3] for k in range(3)]
 
 
 class Preload(ProgramTest):
@@ -117,6 +135,68 @@ class Preload(ProgramTest):
                         key = self.key(text)
                         self.assert_close([key["tie_tangential_bolt"], key["tie_moment_bolt"]],
                                           [-0.3, sign*(0.3*6.0 - 0.7)], 1e-9)
+
+    def test_solid_bar_shortens_by_force_times_length_over_stiffness(self):
+        for elements in ("hex8", "hex8"), ("tet4", "hex8"), ("tet10", "hex20"), ("hex20", "tet10"):
+            for drive in "force = 6.0", "shortening = 0.2":
+                with self.subTest(elements=elements, drive=drive):
+                    key = self.key(PRISM.format(*elements, poisson=0.0)
+                                   + "&support set = 'b.top'  ux = 0.0  uy = 0.0  uz = 0.0 /\n" + PRELOAD.format(drive))
+                    self.assert_close([key[f"preload_bolt_{k}"] for k in ("shortening", "force")], [0.2, 6.0], 1e-12)
+                    self.assert_close([key[f"reaction_{k}_foot"] for k in "xyz"], [0.0, 0.0, -6.0], 1e-12)
+                    self.assert_close([key[f"tie_{k}_bolt"] for k in ("x", "y", "z", "moment_x", "moment_y",
+                                                                      "moment_z")], [0.0]*6, 1e-12)
+
+    def test_shear_and_moments_of_a_solid_cut_balance_what_acts_beyond_it(self):
+        force = turned(0.3, -0.2, 0.0)
+        middle, arm = turned(0.0, 0.0, 1.5), turned(0.0, 0.0, 2.5)
+        for element in "hex8", "tet10":
+            for name, cells, low, high in (("a", (2, 2, 2), 0.0, 1.5), ("b", (3, 2, 3), 1.5, 4.0)):
+                self.write(f"{name}.msh", mapped_solid(
+                    cells, element, lambda r, s, t, z=low, h=high - low: turned(r - 0.5, 1.2*s - 0.6, z + h*t)))
+            for drive in "force = 2.0", "shortening = 0.001":
+                for cut, sign in (("set = 'b.bottom'  to = 'a.top'", 1.0), ("set = 'a.top'  to = 'b.bottom'", -1.0)):
+                    key = self.key(f"""&mesh name = 'a'  file = 'a.msh' /
+&mesh name = 'b'  file = 'b.msh' /
+&material young = 1e3  poisson = 0.3 /
+&support set = 'a.bottom'  ux = 0.0  uy = 0.0  uz = 0.0 /
+&support name = 'top'  set = 'b.top'  un = 0.0 /
+&load set = 'b.top'  total_force = {", ".join(map(str, force))} /
+&preload name = 'bolt'  {cut}  {drive} /
+""")
+                    held, moment, shear, bending = (
+                        [key[f"{what}_{k}_{name}"] for k in "xyz"] for what, name in (
+                            ("reaction", "top"), ("reaction_moment", "top"), ("tie", "bolt"), ("tie_moment", "bolt")))
+                    # Those of the support and of the load about the middle of the cut.
+                    beyond = [m - p + q for m, p, q in zip(moment, cross(middle, held), cross(arm, force))]
+                    with self.subTest(element=element, drive=drive, cut=cut):
+                        self.assert_close(shear, [-sign*f for f in force], 1e-9)
+                        self.assert_close(bending, [-sign*m for m in beyond], 1e-9)
+                        pull = sum(p*q for p, q in zip(held, turned(0.0, 0.0, 1.0)))
+                        self.assertAlmostEqual(key["preload_bolt_force"], pull, delta=1e-9)
+
+    def test_layer_of_a_solid_is_the_plane_with_a_cut_aslant(self):
+        # Parallelograms: the normal of the cut is (-0.3, 1)/sqrt(1.09). Of plane strain, one cell deep.
+        low, high = (lambda r, s: (r, 0.3*r + 1.5*s)), (lambda r, s: (r, 0.3*r + 1.5 + 2.5*s))
+        names = {"front": "bottom", "back": "top", "bottom": "below", "top": "above"}
+        for name, cells, place in ("a", (3, 4, 1), low), ("b", (4, 5, 1), high):
+            self.write(f"{name}.msh", mapped_solid(cells, "hex8", lambda r, s, t, at=place: (*at(r, s), 0.5*t),
+                                                   lambda side, _: names.get(side, side)))
+            self.write(f"{name}2.msh", mapped_mesh(cells[:2], "quad4", place))
+        deck = """&mesh name = 'a'  file = 'a{0}.msh' /
+&mesh name = 'b'  file = 'b{0}.msh' /
+&material young = 100.0  poisson = 0.3  {1} /
+&support name = 'foot'  set = 'a.bottom'  ux = 0.0  uy = 0.0 /
+&support name = 'top'  set = 'b.top'  ux = 0.0  uy = 0.0 /
+&preload name = 'bolt'  set = 'b.bottom'  to = 'a.top'  {2} /
+"""
+        guides = "".join(f"&support set = '{body}.{side}'  uz = 0.0 /\n" for body in "ab"
+                         for side in ("below", "above"))
+        for drive in "force = 2.0", "shortening = 0.1":
+            plane = self.key(deck.format("2", "thickness = 0.5", drive))
+            layer = self.key(deck.format("", "", drive) + guides)
+            for key in "preload_bolt_force", "preload_bolt_shortening", "reaction_x_foot", "reaction_y_top":
+                self.assertAlmostEqual(layer[key], plane[key], delta=1e-9)
 
     def test_bolt_diagram(self):
         load, preload = 3.0, 5.0
@@ -215,6 +295,8 @@ class Preload(ProgramTest):
                  + PRELOAD.format("force = 1.0"), 1,
                  "supports hold all nodes of 'b.bottom' along its normal, or guide them aslant"),
                 (bar + PRELOAD.format("force = 1.0"), 2, "free to move along the preload on one side of it"),
+                (PRISM.format("hex8", "tet10", poisson=0.0) + PRELOAD.format("force = 1.0"), 2,
+                 "the body is free to move along the preload on one side of it"),
                 (SCREW.format("force = -1.0"), 2, "free to move along the preload on one side of it")):
             with self.subTest(words=words):
                 run = self.run_program("--quiet", self.write("case.nml", text), status=status)

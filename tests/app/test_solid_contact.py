@@ -218,11 +218,6 @@ class SolidContact(ProgramTest):
                 self.assertEqual(self.rows("rows")[2]["outcome"], "no_equilibrium")
                 self.run_program("--verify", ".")
 
-    def test_what_is_not_possible_yet_is_refused(self):
-        group = "preload name = 'cut'  set = 'left'  to = 'right'  force = 1.0"
-        run = self.run_program("--check", self.write("case.nml", solid(TOP, FLOOR, group)), status=1)
-        self.assertIn("a preload of solids is not possible yet", run.stderr)
-
 
 if __name__ == "__main__":
     unittest.main()

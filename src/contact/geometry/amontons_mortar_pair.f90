@@ -115,7 +115,7 @@ module amontons_mortar_pair
          !! unit normal and tangents of each point, as columns (n_components, n_components, n) [-]
       character(:), allocatable :: shear_fault
          !! error for a contact set with friction; not allocated if shear can act on every side
-      real(dp) :: jump(2) = 0.0_dp !! direction of the jump, the mean normal of the slave; 0, 0 without one [-]
+      real(dp) :: jump(3) = 0.0_dp !! direction of the jump, the mean normal of the slave; 0 without one [-]
       integer :: lead = 0 !! the node whose own unknown along this direction is the jump; 0 without one
       logical :: is_jump_free = .false. !! whether it is an unknown, and not prescribed
    contains

@@ -63,7 +63,7 @@ contains
          substitution%is_bonded(:, ties(i)%node) = .true.
          if (ties(i)%is_jump_free) then
             associate (own => constraints%frame(:, :, ties(i)%lead))
-               substitution%is_bonded(:2, ties(i)%lead) = abs(matmul(ties(i)%jump, own(:2, :2))) < 0.5_dp
+               substitution%is_bonded(:, ties(i)%lead) = abs(matmul(ties(i)%jump(:n), own)) < 0.5_dp
             end associate
          end if
          call add_pair(sums, ties(i), .true., constraints, fault)
@@ -235,9 +235,7 @@ contains
       call corner%add(pair%node(p), diagonal(spread(1.0_dp, 1, n)) - free + push, .true.)
       ! The jump is the own unknown of one corner and moves all others as well.
       if (pair%lead == 0 .or. pair%lead == pair%node(p)) return
-      push(:, :2) = matmul(push(:, :2), spread(pair%jump, 2, 2)*spread(pair%jump, 1, 2))
-      push(:, 3:) = 0.0_dp
-      call corner%add(pair%lead, push, .true.)
+      call corner%add(pair%lead, matmul(push, spread(pair%jump(:n), 2, n)*spread(pair%jump(:n), 1, n)), .true.)
    end subroutine solve_row
 
    !> A diagonal matrix (components, components) [-].
@@ -429,21 +427,24 @@ contains
       type(mortar_pair_t), intent(inout) :: pair !! the pair, with its points; gains direction and corner
       type(constraints_t), intent(in) :: constraints !! the supports
       type(error_t), allocatable, intent(out) :: error !! supports hold all corners along it, or guide them aslant
-      real(dp) :: projector(size(constraints%is_free, 1), size(constraints%is_free, 1))
-      integer :: i
+      real(dp), allocatable :: jump(:)
+      integer :: i, n_dim
 
+      n_dim = size(constraints%place, 1)
+      allocate (jump(size(constraints%is_free, 1)), source=0.0_dp)
       do i = 1, pair%slave%n_sides
          associate (corner => pair%slave%corner(:, :, i))
-            pair%jump = pair%jump + norm2(corner(:, 2) - corner(:, 1))*pair%slave%normal(:, 3, i)
+            if (n_dim == 2) jump(:2) = jump(:2) + norm2(corner(:, 2) - corner(:, 1))*pair%slave%normal(:, 3, i)
          end associate
       end do
-      pair%jump = pair%jump/norm2(pair%jump)
+      if (n_dim == 3) jump = matmul(pair%patch%normal, pair%patch%area)
+      jump = jump/norm2(jump)
+      pair%jump(:n_dim) = jump(:n_dim)
       do i = 1, size(pair%node)
-         projector = constraints%free_projector(pair%node(i))
-         if (norm2(matmul(projector(:2, :2), pair%jump) - pair%jump) > input_rounding) cycle
+         if (norm2(matmul(constraints%free_projector(pair%node(i)), jump) - jump) > input_rounding) cycle
          pair%lead = pair%node(i)
          ! A free corner is better: the jump then has an axis of its own.
-         if (all(constraints%is_free(:2, pair%lead))) return
+         if (all(constraints%is_free(:n_dim, pair%lead))) return
       end do
       if (pair%lead == 0) call new_error(error, input_refused, "preload: supports hold all nodes of '"//pair%set// &
          "' along its normal, or guide them aslant")

@@ -231,7 +231,9 @@ contains
 
       without_jumps = body%motions
       do k = 1, size(without_jumps)
-         without_jumps(k)%mode(4:3 + without_jumps(k)%n_jumps, :) = 0.0_dp
+         associate (n => without_jumps(k)%n_motions)
+            without_jumps(k)%mode(n + 1:n + without_jumps(k)%n_jumps, :) = 0.0_dp
+         end associate
       end do
       held = pack([(i, i=1, body%mesh%n_nodes)], body%constraints%rigid_of == 0 .and. &
          .not. all(body%constraints%is_free, dim=1))
@@ -322,20 +324,24 @@ contains
       end do
    end subroutine check_rigid_sets
 
-   !> Makes the jumps of preloads free or prescribed, as in the supports of the preloads, and turns an axis of the
+   !> Makes the jumps of preloads free or prescribed, as in the supports of the preloads, and turns a free axis of the
    !> leading nodes along each jump.
    pure subroutine set_preload_jumps(body, supports, ties)
       type(body_t), intent(inout) :: body !! the body, its ties found
       type(support_t), intent(in) :: supports(:) !! the supports
       type(tie_t), intent(in) :: ties(:) !! the bonded sets
-      integer :: i
+      integer, allocatable :: free(:)
+      integer :: i, k, n_dim
 
+      n_dim = size(body%mesh%coordinates, 1)
       do i = 1, size(ties)
          if (.not. ties(i)%has_jump) cycle
          associate (pair => body%ties(i))
             pair%is_jump_free = .not. supports(support_of_jump(supports, ties(i)%name))%is_held(1)
-            associate (frame => body%constraints%frame(:, :, pair%lead))
-               if (all(body%constraints%is_free(:2, pair%lead))) frame = new_frame(pair%jump, size(frame, 1))
+            free = pack([(k, k=1, n_dim)], body%constraints%is_free(:n_dim, pair%lead))
+            associate (frame => body%constraints%frame(:n_dim, free, pair%lead))
+               if (size(free) > 1) body%constraints%frame(:n_dim, free, pair%lead) = matmul(frame, &
+                  new_frame(matmul(pair%jump(:n_dim), frame), size(free)))
             end associate
          end associate
       end do
@@ -414,10 +420,11 @@ contains
       share = 0.0_dp
       associate (pair => body%ties(tie))
          do p = 1, size(points%area)
-            share(p::size(points%area)) = -points%area(p)/sum(points%area)*matmul(pair%jump, pair%frame(:2, :, p))
+            share(p::size(points%area)) = -points%area(p)/sum(points%area) &
+               *matmul(pair%jump(:size(pair%frame, 1)), pair%frame(:, :, p))
          end do
          driven%lead = pair%lead
-         driven%own(:2) = pair%jump
+         driven%own = pair%jump
       end associate
       force = points%rows%forces(share, body%mesh%n_nodes)
       driven%name = name
@@ -540,10 +547,11 @@ contains
       class(body_t), intent(in) :: body !! the body
       type(constraints_t), intent(in) :: constraints !! its supports, or those of them that count
       type(spring_side_t), intent(in) :: springs(:) !! springs along sides
-      integer :: i
+      integer :: i, n
 
+      n = size(body%mesh%coordinates, 1)
       call new_rigid_motions(motions, body%mesh, body%outer, constraints, springs, body%is_axisymmetric, &
-         bonds_of(body%ties, constraints), reshape([(body%ties(i)%jump, i=1, size(body%ties))], [2, size(body%ties)]))
+         bonds_of(body%ties, constraints), reshape([(body%ties(i)%jump(:n), i=1, size(body%ties))], [n, size(body%ties)]))
    end subroutine find_motions
 
    !> Pairs of nodes that move together in a rigid motion: of surfaces that face each other the corners of each

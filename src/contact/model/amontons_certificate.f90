@@ -367,7 +367,7 @@ contains
       real(dp), allocatable, intent(out) :: force(:) !! (lambda_N; lambda_T) of the points of all ties (2n) [F]
       real(dp), intent(inout) :: reaction(:, :) !! the reactions; keeps those of supports (components, n_nodes) [F]
       type(body_t), intent(in) :: body !! the body
-      real(dp) :: exerted(size(reaction, 1)), pushed(size(reaction, 1))
+      real(dp), dimension(size(reaction, 1)) :: exerted, pushed, jump
       integer :: i, p, n, k
 
       n = size(body%tie_rows%start) - 1
@@ -376,14 +376,14 @@ contains
       do i = 1, size(body%ties)
          ! The own unknown of a preload's leading corner is that of all others, too.
          pushed = 0.0_dp
+         jump = body%ties(i)%jump(:size(jump))
          associate (tie => body%ties(i))
             do p = 1, size(tie%node)
                if (tie%node(p) /= tie%lead) pushed = pushed + matmul(body%constraints%free_projector(tie%node(p)), &
                   reaction(:, tie%node(p)))
             end do
-            pushed(:2) = dot_product(pushed(:2), tie%jump)*tie%jump
-            pushed(3:) = 0.0_dp
          end associate
+         pushed = dot_product(pushed, jump)*jump
          do p = 1, size(body%ties(i)%node)
             k = k + 1
             associate (node => body%ties(i)%node(p))
@@ -391,8 +391,8 @@ contains
                reaction(:, node) = reaction(:, node) - exerted
                if (node == body%ties(i)%lead) then
                   ! The residual of equilibrium of a free jump is an imbalance.
-                  if (body%ties(i)%is_jump_free) reaction(:2, node) = reaction(:2, node) &
-                     + dot_product(exerted(:2), body%ties(i)%jump)*body%ties(i)%jump
+                  if (body%ties(i)%is_jump_free) reaction(:, node) = reaction(:, node) &
+                     + dot_product(exerted, jump)*jump
                   exerted = exerted - pushed
                end if
                force(k::n) = -matmul(exerted, body%ties(i)%frame(:, :, p))

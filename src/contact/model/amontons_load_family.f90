@@ -192,8 +192,8 @@ contains
       if (allocated(error)) return
       do k = 1, size(body%driven)
          associate (driven => body%driven(k), support => supports(body%driven(k)%support))
-            if (support%is_jump) load_case%prescribed(:2, driven%lead) = load_case%prescribed(:2, driven%lead) &
-               + merge(support%displacement(1), 0.0_dp, support%is_held(1))*driven%own(:2)
+            if (support%is_jump) load_case%prescribed(:, driven%lead) = load_case%prescribed(:, driven%lead) &
+               + merge(support%displacement(1), 0.0_dp, support%is_held(1))*driven%own(:size(load_case%prescribed, 1))
          end associate
       end do
       load_case%prescribed = body%dof_map%substitution%displacement(load_case%prescribed)

@@ -69,8 +69,8 @@ contains
          do component = normal, moment_z
             if (in_space .and. any(component == [tangential, moment, torque])) cycle
             if (.not. in_space .and. (component == along_z .or. component >= moment_x)) cycle
-            if (component <= tangential .and. body%named(i)%kind /= of_contact .and. .not. is_cut) cycle
-            if (is_cut .and. all(component /= [tangential, moment, torque])) cycle
+            if (body%named(i)%kind /= of_contact .and. component <= merge(normal, tangential, is_cut)) cycle
+            if (is_cut .and. .not. in_space .and. any(component == [along_x, along_y])) cycle
             if (body%is_axisymmetric .and. (any(component == [along_x, moment]) .or. is_cut .and. component &
                == tangential)) cycle
             if (component == torque .and. .not. body%materials%is_twisted()) cycle
@@ -177,7 +177,7 @@ contains
       integer, intent(in) :: component !! the component
       type(mortar_points_t) :: points
       real(dp), allocatable :: motion(:, :)
-      real(dp) :: middle(size(body%mesh%coordinates, 1))
+      real(dp) :: middle(size(body%mesh%coordinates, 1)), jump(size(body%constraints%is_free, 1))
       logical, allocatable :: is_meant(:)
       integer :: i, p
 
@@ -206,13 +206,16 @@ contains
                   matmul(points%center, points%area)/sum(points%area)
                motion(:, tie%node) = rigid_motion(component, points%center - spread(middle, 2, size(tie%node)), &
                   size(motion, 1))
-               if (component == tangential) motion = spread(turned(tie%jump), 2, size(motion, 2))
+               jump = tie%jump(:size(jump))
+               if (tie%lead > 0 .and. component <= along_z) motion = motion - spread(jump, 2, size(motion, 2)) &
+                  *spread(matmul(jump, motion), 1, size(jump))
+               if (component == tangential) motion = spread(turned(jump(:2)), 2, size(motion, 2))
                do p = 1, size(tie%node)
                   test%held(:, tie%node(p)) = matmul(body%constraints%free_projector(tie%node(p)), &
                      motion(:, tie%node(p)))
                   ! The jump moves all corners.
-                  if (tie%lead > 0 .and. tie%node(p) /= tie%lead) test%held(:2, tie%node(p)) = &
-                     test%held(:2, tie%node(p)) - dot_product(motion(:2, tie%lead), tie%jump)*tie%jump
+                  if (tie%lead > 0 .and. tie%node(p) /= tie%lead) test%held(:, tie%node(p)) = &
+                     test%held(:, tie%node(p)) - dot_product(motion(:, tie%lead), jump)*jump
                end do
             end associate
          end do
