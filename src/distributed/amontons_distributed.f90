@@ -113,8 +113,8 @@ contains
       ! The nodes that have unknowns, in the order of these; the first unknown of a node stands for it.
       allocate (node_of(dof_map%n_dofs), source=0)
       do k = 1, mesh%n_nodes
-         axis = merge(1, 2, dof_map%dof(1, k) > 0)
-         if (dof_map%dof(axis, k) > 0) node_of(dof_map%dof(axis, k)) = k
+         axis = findloc(dof_map%dof(:, k) > 0, .true., dim=1)
+         if (axis > 0) node_of(dof_map%dof(axis, k)) = k
       end do
       node = pack(node_of, node_of > 0)
       n_schur = count(node_of(dof_map%n_dofs - dof_map%n_schur + 1:) > 0)
@@ -135,7 +135,7 @@ contains
       call graph%expand(dissection%order, order)
       last = 0
       do k = 1, size(order)
-         do axis = 1, 2
+         do axis = 1, size(dof_map%dof, 1)
             associate (dof => dof_map%dof(axis, node(order(k))))
                if (dof == 0) cycle
                last = last + 1
@@ -167,7 +167,7 @@ contains
       do i = 1, mesh%n_elements
          first = size(position)
          do k = node_start(i), node_start(i + 1) - 1
-            do axis = 1, 2
+            do axis = 1, size(dof_map%dof, 1)
                associate (dof => dof_map%dof(axis, node(k)))
                   if (dof > 0) first = min(first, position(dof))
                end associate
@@ -181,16 +181,17 @@ contains
    !> The memory for the stiffness of each rank's elements during assembly, estimated as that of their element matrices:
    !> 12 bytes for each entry of a triangle, in a triangular matrix of the subdomain in which shared entries are merged
    !> [MB].
-   pure function assembly_mb(owner, n_ranks, mesh)
+   pure function assembly_mb(owner, n_ranks, mesh, n_components)
       integer, intent(in) :: owner(:) !! the rank of each element
       integer, intent(in) :: n_ranks !! number of ranks
       type(mesh_t), intent(in) :: mesh !! the mesh of the body
+      integer, intent(in) :: n_components !! number of components of a displacement
       real(dp) :: assembly_mb(0:n_ranks - 1)
       integer :: n, i
 
       assembly_mb = 0.0_dp
       do i = 1, size(owner)
-         n = 2*(mesh%node_start(i + 1) - mesh%node_start(i))
+         n = n_components*(mesh%node_start(i + 1) - mesh%node_start(i))
          assembly_mb(owner(i)) = assembly_mb(owner(i)) + 12.0e-6_dp*(n*(n + 1)/2)
       end do
    end function assembly_mb
@@ -264,7 +265,7 @@ contains
       type(channel_t), intent(in) :: channel !! the channel between the ranks
       real(dp), allocatable :: blocks(:, :), numbers(:, :)
       integer, allocatable :: is(:, :)
-      integer :: i, n_blocks
+      integer :: i, n, n_blocks
 
       associate (mesh => self%mesh)
          call channel%pass(mesh%n_elements)
@@ -274,10 +275,11 @@ contains
          call channel%pass(mesh%node)
       end associate
       call channel%pass(self%node)
-      if (channel%is_sender) blocks = reshape(self%constraints%frame, [4, size(self%node)])
-      call channel%pass(blocks)
-      self%constraints%frame = reshape(blocks, [2, 2, size(self%node)])
       call channel%pass(self%dof_map%dof)
+      n = size(self%dof_map%dof, 1)
+      if (channel%is_sender) blocks = reshape(self%constraints%frame, [n*n, size(self%node)])
+      call channel%pass(blocks)
+      self%constraints%frame = reshape(blocks, [n, n, size(self%node)])
       associate (substitution => self%dof_map%substitution)
          n_blocks = 0
          if (allocated(substitution%node)) n_blocks = size(substitution%node)
@@ -285,9 +287,9 @@ contains
          if (n_blocks > 0) then
             call channel%pass(substitution%start)
             call channel%pass(substitution%node)
-            if (channel%is_sender) blocks = reshape(substitution%block, [4, n_blocks])
+            if (channel%is_sender) blocks = reshape(substitution%block, [n*n, n_blocks])
             call channel%pass(blocks)
-            substitution%block = reshape(blocks, [2, 2, n_blocks])
+            substitution%block = reshape(blocks, [n, n, n_blocks])
          end if
       end associate
       call channel%pass(self%materials%of_element)
@@ -295,8 +297,7 @@ contains
          associate (list => self%materials%list)
             numbers = reshape([(list(i)%thickness, list(i)%lambda, list(i)%mu, list(i)%law, i=1, size(list))], &
                [3 + size(list(1)%law), size(list)])
-            is = merge(1, 0, reshape([list%is_b_bar, list%is_plane_stress, list%is_axisymmetric], &
-               [size(list), 3]))
+            is = merge(1, 0, reshape([list%is_b_bar, list%is_axisymmetric, list%is_twisted], [size(list), 3]))
          end associate
       end if
       call channel%pass(numbers)
@@ -310,8 +311,9 @@ contains
             material%mu = numbers(3, i)
             material%law = reshape(numbers(4:, i), shape(material%law))
             material%is_b_bar = is(i, 1) > 0
-            material%is_plane_stress = is(i, 2) > 0
-            material%is_axisymmetric = is(i, 3) > 0
+            material%is_axisymmetric = is(i, 2) > 0
+            material%is_twisted = is(i, 3) > 0
+            material%n_components = n
          end associate
       end do
       self%mesh%n_nodes = size(self%node)
@@ -326,7 +328,7 @@ contains
       associate (dof_map => self%dof_map)
          allocate (self%unknown(count(dof_map%dof > 0)))
          do i = 1, size(dof_map%dof, 2)
-            do axis = 1, 2
+            do axis = 1, size(dof_map%dof, 1)
                if (dof_map%dof(axis, i) == 0) cycle
                dof_map%n_dofs = dof_map%n_dofs + 1
                self%unknown(dof_map%n_dofs) = dof_map%dof(axis, i)
@@ -382,7 +384,7 @@ contains
       ! Gives every rank its subdomain. Rank 0 has the springs, and the nodes of all Schur variables.
       call give_order(order_take)
       call find_owners(owner, n_ranks, position, mesh, dof_map)
-      megabytes = assembly_mb(owner, n_ranks, mesh)
+      megabytes = assembly_mb(owner, n_ranks, mesh, materials%n_components())
       call broadcast(megabytes)
       call check_room(assembly, megabytes(0), error)
       if (allocated(error)) return

@@ -687,9 +687,8 @@ contains
       end do
    end function contact_motions
 
-   !> Whether a body is spread over the ranks of the run. Small bodies are faster on one rank; band matrices, twisted
-   !> bodies and solids stay on rank 0; and a body without unknowns other than those of the contact points has nothing
-   !> to spread.
+   !> Whether a body is spread over the ranks of the run. Small bodies are faster on one rank; band matrices stay on
+   !> rank 0; and a body without unknowns other than those of the contact points has nothing to spread.
    pure logical function is_distributed(body, options)
       type(body_t), intent(in) :: body !! the body
       type(condensation_options_t), intent(in) :: options !! options of the condensation
@@ -697,8 +696,7 @@ contains
       integer, parameter :: least_unknowns = 10000
 
       associate (n => body%dof_map%n_dofs)
-         is_distributed = body%dof_map%n_schur < n .and. body%materials%n_components() == 2 .and. &
-            (options%factorization == 'distributed' .or. &
+         is_distributed = body%dof_map%n_schur < n .and. (options%factorization == 'distributed' .or. &
             (options%factorization == 'auto' .and. n_ranks > 1 .and. n > least_unknowns .and. &
             .not. may_suit_band(n, options%form, body%zone)))
       end associate
