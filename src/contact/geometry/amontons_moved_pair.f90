@@ -3,7 +3,8 @@
 !>
 !> The functions of the multipliers are the hats of the slave's corners, all of which are points, whether they face the
 !> master or not; the gap of a point is the mean over the same hat. A hat of which the master covers next to nothing
-!> would carry a force over no area: it is added to that of the neighbor.
+!> would carry a force over no area: it is added to that of the neighbor. So is the hat of a corner that supports or
+!> rigid sets hold, but on a plane of symmetry: its rows would depend on those of the others.
 module amontons_moved_pair
    use amontons_contact_set, only: pairing_t
    use amontons_error, only: error_t
@@ -49,7 +50,9 @@ contains
          allocate (pair%frame(n_components, n_components, n))
          allocate (pair%is_fixed(n_components - 1, n), pair%gives_shear(n), source=.false.)
          pair%is_fixed(1, point(slave%mirrored_node)) = .true.
-         allocate (pair%held_node(0), pair%shared_node(0), pair%joined_node(0), pair%open_node(0), &
+         pair%held_node = pack(pair%node, (.not. all(body%constraints%is_free(:2, pair%node), dim=1) .or. &
+            body%constraints%rigid_of(pair%node) > 0) .and. .not. pair%is_fixed(1, :))
+         allocate (pair%shared_node(0), pair%joined_node(0), pair%open_node(0), &
             pair%idle_side(2, 0))
          pair%end_node = [open_ends(slave, body), open_ends(master, body)]
          pair%sharp_node = pack(master%side(2, :), [(is_sharp(i), i=1, master%n_sides)])
@@ -117,12 +120,13 @@ contains
       call choose_carriers(pair)
    end subroutine move_pair
 
-   !> Chooses the points that carry the hats: of a sliver the neighbor that is covered most.
+   !> Chooses the points that carry the hats: of a sliver or of a held corner the neighbor that is covered most.
    pure subroutine choose_carriers(pair)
       type(mortar_pair_t), intent(inout) :: pair !! the pair, its covered parts found
       real(dp), dimension(size(pair%node)) :: covered, whole
+      logical :: is_held(size(pair%node))
       real(dp) :: length
-      integer :: i, k, p, q
+      integer :: i, j, k, p, q
 
       covered = 0.0_dp
       whole = 0.0_dp
@@ -133,17 +137,22 @@ contains
             whole(points) = whole(points) + 0.5_dp*length
          end associate
       end do
-      covered = covered/whole
+      is_held = [(any(pair%held_node == pair%node(p)), p=1, size(pair%node))]
+      covered = merge(0.0_dp, covered/whole, is_held)
       pair%carrier = [(p, p=1, size(pair%node))]
-      do i = 1, pair%slave%n_sides
+      do j = 1, 2*pair%slave%n_sides
+         ! Forth and back along the line: of held corners the last hands on what the others handed to it.
+         i = merge(j, 2*pair%slave%n_sides + 1 - j, j <= pair%slave%n_sides)
          if (.not. sum(pair%part(:, i)) > 0.0_dp) cycle
          do k = 1, 2
             p = pair%point_of(k, i)
             q = pair%point_of(3 - k, i)
             if (covered(p) < sliver*covered(q) .and. covered(q) > covered(pair%carrier(p))) pair%carrier(p) = q
+            q = pair%carrier(q)
+            if (is_held(p) .and. pair%carrier(p) == p .and. covered(q) > 0.0_dp) pair%carrier(p) = q
          end do
       end do
-      ! The neighbor's hat may be one as well.
+      ! The neighbor's hat may be handed on as well.
       do while (any(pair%carrier(pair%carrier) /= pair%carrier))
          pair%carrier = pair%carrier(pair%carrier)
       end do
