@@ -30,7 +30,7 @@ MAY_USE = {
     "input": ["deck", "contact/model", "contact/geometry", "contact/methods", "elasticity", "mesh", "mesh/io",
               "cholesky", "system"],
     "solve": ["input", *CONTACT, "elasticity", "mesh", "mesh/io", "linalg", "system"],
-    "output": ["solve", *CONTACT, "elasticity", "mesh", "system"],
+    "output": ["solve", "input", *CONTACT, "elasticity", "mesh", "system"],
     "study": ["output", "solve", "input", "contact/model", "contact/problem", "elasticity"],
     "study/reduced": ["study", "output", "solve", "input", "contact/problem", "contact/methods", "contact/uniqueness",
                       "linalg", "system"],

@@ -109,7 +109,7 @@ module amontons_deck_visitor
       procedure :: text => writer_text
       procedure :: flag => writer_flag
       procedure :: words => writer_words
-      procedure, private :: write_key => writer_write_key
+      procedure :: write_key => writer_write_key
    end type deck_writer_t
 
    !> The Markdown tables of the groups visited so far, one row for each key; the last line has no newline yet.
@@ -119,7 +119,7 @@ module amontons_deck_visitor
       procedure :: open_group => documenter_open_group
       procedure :: close_group => documenter_close_group
       procedure, private :: write => documenter_write
-      procedure, private :: write_key => documenter_write_key
+      procedure :: write_key => documenter_write_key
    end type deck_documenter_t
 
 contains

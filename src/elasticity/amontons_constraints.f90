@@ -28,8 +28,8 @@ module amontons_constraints
    !> tangents), around the axis, and the angle of a rotation about it.
    character(6), parameter :: supported_components(*) = [character(6) :: 'ux', 'uy', 'uz', 'un', 'ut', 'utheta', 'turn']
    !> Their indices; the first ones are the coordinates.
-   integer, parameter, public :: along_normal = 4, along_tangent = 5, by_turn = 7
-   integer, parameter :: along_z = 3, around_axis = 6
+   integer, parameter, public :: along_normal = 4, along_tangent = 5
+   integer, parameter :: along_z = 3, around_axis = 6, by_turn = 7
 
    !> A prescribed displacement or an elastic foundation of a boundary set, or a prescribed displacement of the node at
    !> a point.

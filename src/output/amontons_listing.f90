@@ -7,19 +7,16 @@ module amontons_listing
    use amontons_body, only: body_t, find_rigid_modes
    use amontons_case_label, only: case_label_t
    use amontons_certificate, only: certificate_t
-   use amontons_constraints, only: by_turn, support_t, supported_components
-   use amontons_contact_set, only: contact_t, gap_names, line_field_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_table, only: column_t, contact_columns, points_text
    use amontons_document, only: document_t
-   use amontons_error, only: error_t, warning_list_t
+   use amontons_error, only: warning_list_t
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, status_names, stick_point
+   use amontons_group_text, only: group_text
    use amontons_key_results, only: interval_t, resultants
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
-   use amontons_loads, only: load_by_temperature, load_on_motion, load_on_nodes, load_on_sides, load_t
-   use amontons_material, only: material_t
-   use amontons_mesh, only: mesh_t
+   use amontons_loads, only: load_on_motion
    use amontons_methods, only: method_options_t
    use amontons_model_warnings, only: facing_lengths
    use amontons_mortar_pair, only: mortar_pair_t
@@ -138,8 +135,9 @@ contains
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       real(dp), allocatable :: lengths(:), force(:)
-      integer :: first, i, last
+      integer :: first, i, last, n_dim
 
+      n_dim = size(body%mesh%coordinates, 1)
       ! Factors of sweeps and histories are listed in other sections.
       force = body%driven_forces(load_case%loads)
       text = heading('Model')
@@ -148,19 +146,18 @@ contains
          labeled('Unknowns', to_text(body%dof_map%n_dofs)//', of them '//to_text(body%dof_map%n_schur)// &
          ' on the contact '//trim(merge('line ', 'faces', allocated(body%zone%line))))
       do i = 1, size(body%materials%list)
-         text = text//labeled('Material', material_text(body%materials%list(i), units))
+         text = text//labeled('Material', group_text(body%materials%list(i), n_dim, units)// &
+            trim(merge(', B-bar formulation', '                   ', body%materials%list(i)%is_b_bar)))
       end do
       do i = 1, size(load_case%supports)
          if (load_case%supports(i)%is_driven()) then
             text = text//labeled('Support', motion_text(body, load_case, i, force, units))
          else
-            text = text//labeled('Support', support_text(load_case%supports(i), &
-               size(body%mesh%coordinates, 1), units))
+            text = text//labeled('Support', group_text(load_case%supports(i), n_dim, units))
          end if
       end do
       do i = 1, size(load_case%contacts)
-         text = text//labeled('Contact', contact_text(load_case%contacts(i), &
-            size(body%mesh%coordinates, 1), units))
+         text = text//labeled('Contact', group_text(load_case%contacts(i), n_dim, units))
          if (load_case%contacts(i)%partition%is_constant) then
             lengths = pack(body%zone%weight, body%zone%set == i)
             text = text//labeled('Multipliers', 'constant on '//to_text(size(lengths))//' cells of length '// &
@@ -184,42 +181,9 @@ contains
       do i = 1, size(load_case%loads)
          ! Loads on motions are listed with the motion.
          if (load_case%loads(i)%target == load_on_motion) cycle
-         text = text//labeled('Load', load_text(load_case%loads(i), body%mesh, units))
+         text = text//labeled('Load', group_text(load_case%loads(i), n_dim, units))
       end do
    end function model_text
-
-   !> A material: hypothesis, constants, region.
-   pure function material_text(material, units) result(text)
-      type(material_t), intent(in) :: material !! the material
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-
-      integer :: i, n
-
-      n = merge(3, 1, material%shear(1) > 0.0_dp)
-      text = trim(material%hypothesis)
-      if (material%is_twisted) text = text//' with twist'
-      do i = 1, n
-         text = text//', Young '//with_unit(short_text(material%young(i)), units, 'F/L^2')
-      end do
-      do i = 1, n
-         text = text//', Poisson '//short_text(material%poisson(i))
-      end do
-      do i = 1, merge(merge(3, 1, material%is_solid), 0, n > 1)
-         text = text//', shear '//with_unit(short_text(material%shear(i)), units, 'F/L^2')
-      end do
-      if (material%is_solid .and. n > 1) text = text//', axis 1 '//vector_text(material%axes(:, 1))//', axis 2 '// &
-         vector_text(material%axes(:, 2))
-      if (n > 1 .and. .not. material%is_solid) text = text//', angle '//short_text(material%angle)
-      if (.not. (material%is_axisymmetric .or. material%is_solid)) text = text//', thickness '// &
-         with_unit(short_text(material%thickness), units, 'L')
-      if (material%density > 0.0_dp) text = text//', density '//short_text(material%density)
-      do i = 1, n
-         if (any(abs(material%expansion) > 0.0_dp)) text = text//', expansion '//short_text(material%expansion(i))
-      end do
-      if (material%is_b_bar) text = text//', B-bar formulation'
-      if (len(material%region) > 0) text = text//", region '"//material%region//"'"
-   end function material_text
 
    !> A rigid set or preload: its position, and the prescribed part of its motion or the force that drives it.
    pure function motion_text(body, load_case, number, force, units) result(text)
@@ -254,59 +218,6 @@ contains
       end associate
    end function motion_text
 
-   !> A support: its set or point, prescribed displacements, springs.
-   pure function support_text(support, n_dim, units) result(text)
-      type(support_t), intent(in) :: support !! the support
-      integer, intent(in) :: n_dim !! number of dimensions
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-      integer :: k
-
-      if (len(support%set) > 0) then
-         text = "set '"//support%set//"'"
-      else
-         text = 'point '//with_unit(vector_text(support%point(:n_dim)), units, 'L')
-      end if
-      do k = 1, size(supported_components)
-         if (support%is_held(k)) text = text//', '//trim(supported_components(k))//' = '// &
-            with_unit(short_text(support%displacement(k)), units, trim(merge('rad', 'L  ', k == by_turn)))
-      end do
-      if (any(support%spring > 0.0_dp)) text = text//', springs '// &
-         with_unit(vector_text(support%spring), units, 'F/L^3')//' along normal and tangent'
-   end function support_text
-
-   !> A contact set: its friction, its master or rigid obstacle, gaps.
-   pure function contact_text(contact, n_dim, units) result(text)
-      type(contact_t), intent(in) :: contact !! the contact set
-      integer, intent(in) :: n_dim !! number of dimensions
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-
-      text = "set '"//contact%set//"'"
-      if (contact%pairing%is_pair()) text = text//" (slave) against '"//contact%pairing%against//"' (master)"
-      text = text//field_text('friction', contact%friction, n_dim)//field_text('slip bound', contact%slip_bound, n_dim)
-      associate (obstacle => contact%obstacle)
-         if (contact%pairing%is_pair()) then
-            if (contact%pairing%gap /= gap_names(1)) text = text//', '//trim(contact%pairing%gap)
-            if (contact%pairing%search > 0.0_dp) text = text//', search '// &
-               with_unit(short_text(contact%pairing%search), units, 'L')
-         else
-            text = text//', '//trim(obstacle%kind)//' at '//with_unit(vector_text(obstacle%point(:n_dim)), units, &
-               'L')
-            if (obstacle%kind == 'surface') text = text//', '//counted(size(obstacle%surface%corner, 2), 'triangle')// &
-               ' of '//obstacle%file//trim(merge(', open  ', ', closed', obstacle%surface%has_ends))
-            if (obstacle%kind /= 'surface') text = text//' with normal '//vector_text(obstacle%given_normal(n_dim))
-            if (obstacle%kind == 'cylinder') text = text//', axis '//vector_text(obstacle%axis)
-            if (obstacle%has_radius()) text = text//', radius '//with_unit(short_text(obstacle%radius), units, 'L')
-            if (obstacle%kind == 'polyline') text = text//', points of '//obstacle%file
-            if (any(abs(contact%direction) > 0.0_dp)) text = text//', gaps along '// &
-               vector_text(contact%direction(:n_dim))
-         end if
-      end associate
-      text = text//field_text('extra gap', contact%extra_gap, n_dim, units)
-      if (contact%wear > 0.0_dp) text = text//', wear '//with_unit(short_text(contact%wear), units, 'L^2/F')
-   end function contact_text
-
    !> Mean lengths of the sides of slave and master where they meet, on which the choice of the roles should depend.
    pure function roles_text(pair, units) result(text)
       type(mortar_pair_t), intent(in) :: pair !! the pair
@@ -319,26 +230,6 @@ contains
          with_unit(short_text(lengths(2)), units, 'L')// &
          ' on average; forces are resolved on the slave, which should be the finer one'
    end function roles_text
-
-   !> A quantity along a contact line; empty if it is zero.
-   pure function field_text(name, field, n_dim, units) result(text)
-      character(*), intent(in) :: name !! name of the quantity
-      type(line_field_t), intent(in) :: field !! the quantity
-      integer, intent(in) :: n_dim !! number of dimensions
-      character(*), intent(in), optional :: units !! names of the units of the case, of a length
-      character(:), allocatable :: text
-
-      text = ''
-      if (allocated(field%table)) then
-         text = ', '//name//' from '//field%file
-      else if (any(abs(field%slope) > 0.0_dp)) then
-         text = ', '//name//' '//short_text(field%value)//' + '//vector_text(field%slope(:n_dim))// &
-            trim(merge(' . (x, y)   ', ' . (x, y, z)', n_dim == 2))
-      else if (abs(field%value) > 0.0_dp .or. name == 'friction') then
-         text = ', '//name//' '//short_text(field%value)
-         if (present(units)) text = ', '//name//' '//with_unit(short_text(field%value), units, 'L')
-      end if
-   end function field_text
 
    !> Notes on the contact points: those that supports hold, overlap, free rigid motions.
    pure function notes_text(body, load_case, units) result(text)
@@ -436,71 +327,6 @@ contains
          text = text//labeled('Note', 'the '//noun//' at '//with_unit(vector_text(places(:, i)), units, 'L')//singular)
       end do
    end function places_text
-
-   !> A load: its target, and tractions, forces, temperature or body forces.
-   pure function load_text(load, mesh, units) result(text)
-      type(load_t), intent(in) :: load !! the load
-      type(mesh_t), intent(in) :: mesh !! the mesh of the body
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text, forces
-      integer, allocatable :: nodes(:)
-      type(error_t), allocatable :: error
-      integer :: n_dim
-
-      n_dim = size(mesh%coordinates, 1)
-      text = ''
-      if (len(load%name) > 0) text = load%name//': '
-      if (len(load%set) > 0) text = text//"set '"//load%set//"', "
-      if (len(load%region) > 0) text = text//"region '"//load%region//"', "
-      select case (load%target)
-      case (load_on_sides)
-         if (any(abs(load%total_force) > 0.0_dp)) text = text//'total force '// &
-            with_unit(vector_text(load%total_force(:n_dim)), units, 'F')//', '
-         if (any(abs(load%total_moment) > 0.0_dp)) text = text//'total moment '// &
-            with_unit(vector_text(load%total_moment), units, 'F L')//', '
-         text = text//'traction '//with_unit(vector_text(load%traction(:n_dim)), units, 'F/L^2')// &
-            ', pressure '//with_unit(short_text(load%pressure), units, 'F/L^2')
-         if (abs(load%traction_theta) > 0.0_dp) text = text//', traction around the axis '// &
-            with_unit(short_text(load%traction_theta), units, 'F/L^2')
-         if (abs(load%torque) > 0.0_dp) text = text//', torque '//with_unit(short_text(load%torque), units, 'F L')
-         if (any(abs(load%traction_slope) > 0.0_dp)) text = text//', traction slope '// &
-            vector_text(load%traction_slope(:n_dim, 1))//' along x, '//vector_text(load%traction_slope(:n_dim, 2))// &
-            ' along y'
-         if (n_dim == 3 .and. any(abs(load%traction_slope) > 0.0_dp)) text = text//', '// &
-            vector_text(load%traction_slope(:, 3))//' along z'
-         if (any(abs(load%pressure_slope) > 0.0_dp)) text = text//', pressure slope '// &
-            vector_text(load%pressure_slope(:n_dim))
-      case (load_on_nodes)
-         if (len(load%set) == 0) text = text//'point '//with_unit(vector_text(load%point(:n_dim)), units, 'L')//', '
-         text = text//'force '//with_unit(vector_text(load%force(:n_dim)), units, 'F')
-         if (len(load%set) == 0) return
-         call mesh%set_nodes(load%set, nodes, error)
-         text = text//' on each of '//counted(size(nodes), 'node')//', '// &
-            with_unit(vector_text(size(nodes)*load%force(:n_dim)), units, 'F')//' in all'
-      case (load_by_temperature)
-         if (allocated(load%temperature_table)) then
-            text = text//'temperature from '//load%temperature_file
-         else
-            text = text//'temperature '//short_text(load%temperature)
-            if (any(abs(load%temperature_slope) > 0.0_dp)) text = text//' + '// &
-               vector_text(load%temperature_slope(:n_dim))//trim(merge(' . (x, y)   ', ' . (x, y, z)', n_dim == 2))
-         end if
-      case default
-         ! The forces of a load on the volume.
-         forces = ''
-         if (any(abs(load%body_force) > 0.0_dp)) forces = forces//', body force '// &
-            with_unit(vector_text(load%body_force(:n_dim)), units, 'F/L^3')
-         if (any(abs(load%gravity) > 0.0_dp)) forces = forces//', gravity '//vector_text(load%gravity(:n_dim))
-         if (abs(load%angular_speed) > 0.0_dp) then
-            forces = forces//', angular speed '//short_text(load%angular_speed)//' about '// &
-               with_unit(vector_text(load%center(:n_dim)), units, 'L')
-            if (any(abs(load%axis) > 0.0_dp)) forces = forces//' along '//vector_text(load%axis(:n_dim))
-         end if
-         if (forces == '') forces = ', body force '//with_unit(vector_text(load%body_force(:n_dim)), units, 'F/L^3')
-         forces = forces(3:)
-         text = text//forces
-      end select
-   end function load_text
 
    !> Makes the listing.
    subroutine new_listing(listing, label, body, result)

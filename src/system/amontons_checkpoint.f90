@@ -68,6 +68,7 @@ module amontons_checkpoint
       procedure, public :: is_due => checkpoint_is_due
       procedure, public :: open => checkpoint_open
       procedure, public :: remove => checkpoint_remove
+      procedure, public :: rows => checkpoint_rows
       procedure, public :: save => checkpoint_save
       procedure, public :: table_file => checkpoint_table_file
    end type checkpoint_t
@@ -268,6 +269,15 @@ contains
          table%length = table%length + len(rows)
       end associate
    end subroutine checkpoint_add_rows
+
+   !> The rows of a table that are not on the disk yet.
+   pure function checkpoint_rows(self, number) result(rows)
+      class(checkpoint_t), intent(in) :: self !! the checkpoint
+      integer, intent(in) :: number !! number of the table
+      character(:), allocatable :: rows
+
+      rows = self%tables(number)%rows(:self%tables(number)%length)
+   end function checkpoint_rows
 
    !> Whether rows should be saved: there are many, or the oldest are older than a second and a hundredth of the run
    !> time, which limits the cost of saving a large progress.

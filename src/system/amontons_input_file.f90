@@ -13,11 +13,10 @@ module amontons_input_file
    implicit none (type, external)
    private
 
-   public :: beside, input_file_t, new_input_file, printable, read_number_table, read_text_file
+   public :: beside, input_file_t, new_input_file, printable, read_number_table, read_plain_file, read_text_file
 
-   !> Largest size of a file that is read into memory [MB].
-   integer, parameter :: largest_megabytes = 256
-   integer, parameter :: largest_bytes = largest_megabytes*1000000
+   !> Largest size of a text that is read into memory [bytes].
+   integer, parameter :: largest_text = 256000000
    !> Initial size of the memory for standard input.
    integer, parameter :: first_length = 65536
    !> The file descriptor of standard input.
@@ -82,35 +81,40 @@ module amontons_input_file
 contains
 
    !> Reads a file to its end, byte by byte, without the byte order mark of UTF-8 text; pipes are supported.
-   subroutine read_text_file(file, text, error, is_standard_input)
+   subroutine read_text_file(file, text, error, is_standard_input, n_bytes)
       character(*), intent(in) :: file !! name of the file, or what messages call standard input
       character(:), allocatable, intent(out) :: text !! every byte of it
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read, is empty or is too large
       logical, intent(in), optional :: is_standard_input !! whether standard input is read; not by default
+      integer(int64), intent(in), optional :: n_bytes !! its size, which may then be larger than that of a text
       character(:), allocatable :: reason, longer
       integer(c_int) :: number
       integer(c_long) :: n
-      integer :: n_read
+      integer :: n_read, length, most
 
       number = standard_input
       if (.not. present(is_standard_input)) number = c_open_input(file//c_null_char)
       reason = ''
       n_read = 0
       n = number
-      allocate (character(first_length) :: text)
-      do while (number >= 0 .and. n_read <= largest_bytes)
+      most = largest_text
+      length = first_length
+      if (present(n_bytes)) most = most_bytes
+      if (present(n_bytes)) length = 1 + int(max(0_int64, min(n_bytes, int(most, int64))))
+      allocate (character(length) :: text)
+      do while (number >= 0 .and. n_read <= most)
          n = c_read_input(number, text(n_read + 1:), len(text, c_long) - n_read)
          if (n <= 0) exit
          n_read = n_read + int(n)
-         if (n_read < len(text)) cycle
+         if (n_read < len(text) .or. n_read > most) cycle
          allocate (character(2*n_read) :: longer)
          longer(:n_read) = text
          call move_alloc(longer, text)
       end do
       if (number >= 0 .and. .not. present(is_standard_input)) call close_file(number)
       text = text(:n_read)
-      if (n_read > largest_bytes) then
-         reason = 'it is larger than '//to_text(largest_megabytes)//' MB'
+      if (n_read > most) then
+         reason = 'it is larger than '//to_text(most/10**6)//' MB'
       else if (n < 0) then
          reason = error_text(-int(n))
       end if
@@ -215,43 +219,31 @@ contains
       is_row = is_row .and. n_words == size(row)
    end subroutine read_row
 
-   !> Reads a whole file into memory.
+   !> Reads a file of any size, unless it is a pipe or a device: to open a pipe could take for ever.
+   subroutine read_plain_file(file, text, error)
+      character(*), intent(in) :: file !! name of the file
+      character(:), allocatable, intent(out) :: text !! every byte of it
+      type(error_t), allocatable, intent(out) :: error !! the file cannot be read, is empty or is too large
+      integer(int64) :: n_bytes
+
+      inquire (file=file, size=n_bytes)
+      if (n_bytes == 0) then
+         call new_error(error, input_refused, file//': this file is empty, or no plain file')
+      else
+         call read_text_file(file, text, error, n_bytes=n_bytes)
+      end if
+   end subroutine read_plain_file
+
+   !> Makes a file in memory, at its beginning.
    subroutine new_input_file(input, file, error)
       type(input_file_t), intent(out) :: input !! the file in memory
       character(*), intent(in) :: file !! name of the file
       type(error_t), allocatable, intent(out) :: error !! the file cannot be read, is empty or is too large
-      character(256) :: reason
-      integer(int64) :: n_bytes
-      integer :: unit, status, at_cause
 
       input%file = file
       call input%files%add(file)
       input%pieces = reshape([1, 1, 1], [3, 1])
-      reason = ''
-      ! The size is asked for first: to open a pipe could take for ever.
-      inquire (file=file, size=n_bytes)
-      if (n_bytes == 0) then
-         call new_error(error, input_refused, file//': this file is empty, or no plain file')
-         return
-      end if
-      if (n_bytes > most_bytes) then
-         call new_error(error, input_refused, file//': this file is larger than '//to_text(most_bytes/10**6)//' MB')
-         return
-      end if
-      open (newunit=unit, file=file, status='old', action='read', access='stream', form='unformatted', &
-         iostat=status, iomsg=reason)
-      at_cause = index(reason, "': ", back=.true.)
-      if (at_cause > 0) reason = reason(at_cause + 3:)
-      if (status == 0) then
-         allocate (character(n_bytes) :: input%text, stat=status, errmsg=reason)
-         if (status == 0) read (unit, iostat=status, iomsg=reason) input%text
-         close (unit)
-      end if
-      if (status /= 0) then
-         call new_error(error, input_refused, file//': cannot read this file: '//trim(reason))
-      else if (index(input%text(:min(3, len(input%text))), byte_order_mark) == 1) then
-         input%position = 4
-      end if
+      call read_plain_file(file, input%text, error)
    end subroutine new_input_file
 
    !> A text without control characters, for messages.

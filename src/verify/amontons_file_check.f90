@@ -5,7 +5,7 @@ module amontons_file_check
    use amontons_config, only: config_t
    use amontons_document, only: document_t
    use amontons_error, only: error_t, fault_list_t
-   use amontons_input_file, only: read_text_file
+   use amontons_input_file, only: read_plain_file, read_text_file
    use amontons_integer_list, only: integer_list_t
    use amontons_kinds, only: dp, int32, int64
    use amontons_manifest, only: case_entries, collection_head, collection_tail
@@ -15,7 +15,7 @@ module amontons_file_check
    implicit none (type, external)
    private
 
-   public :: agree, check_collection, compare_collection, compare_line, contradiction, csv_table_t, &
+   public :: agree, check_collection, compare_collection, compare_document, compare_line, contradiction, csv_table_t, &
       first_disagreement, new_vtk_check, read_array, read_csv_table, verified_case_t, vtk_check_t
 
    !> Characters that separate words.
@@ -27,15 +27,12 @@ module amontons_file_check
    !> Largest difference of two equal numbers, over the largest number of their kind [-].
    real(dp), parameter :: limit = 1.0e-8_dp
 
-   !> Number of bytes that are searched for the markup of an array at once.
-   integer(int64), parameter :: block_size = 65536_int64
-
    !> A grid under comparison. After a fault in the markup or in the length of an array the rest is not compared.
    type, extends(vtk_file_t) :: vtk_check_t
       private
       character(:), allocatable :: path !! name of the file
-      integer :: unit = -1 !! the open file
-      integer(int64) :: position = 1_int64 !! the byte that comes next, from 1
+      character(:), allocatable :: text !! all bytes of it
+      integer :: position = 1 !! the byte that comes next, from 1
       logical :: is_readable = .true. !! whether what comes next is where it should be
       type(fault_list_t), public :: faults !! the disagreement
    contains
@@ -67,7 +64,7 @@ module amontons_file_check
       private
       integer, public :: n_rows = 0 !! number of rows, the header not counted
       character(:), allocatable, public :: header !! its first line
-      character(:), allocatable :: text !! the whole file
+      character(:), allocatable, public :: text !! the whole file
       type(integer_list_t) :: start !! where each row begins in it, and where the file ends (n_rows + 1)
    contains
       procedure, public :: field => csv_table_field
@@ -401,27 +398,13 @@ contains
       type(vtk_check_t), intent(out) :: check !! the grid
       character(*), intent(in) :: path !! name of the file
       character(*), intent(in) :: units !! names of the units of the case
+      type(error_t), allocatable :: error
 
       check%path = path
       check%units = units
-      call open_grid(check%unit, path)
-      if (check%unit == -1) call check%stop_at('cannot be read')
+      call read_plain_file(path, check%text, error)
+      if (allocated(error)) call check%stop_at('cannot be read')
    end subroutine new_vtk_check
-
-   !> Opens a grid for reading.
-   subroutine open_grid(unit, path)
-      integer, intent(out) :: unit !! its unit; -1 unless it is a plain file that can be read
-      character(*), intent(in) :: path !! name of the file
-      integer(int64) :: n_bytes
-      integer :: status
-
-      unit = -1
-      ! The size is asked for first: to open a pipe could take for ever.
-      inquire (file=path, size=n_bytes)
-      if (n_bytes < 1) return
-      open (newunit=unit, file=path, status='old', action='read', access='stream', form='unformatted', iostat=status)
-      if (status /= 0) unit = -1
-   end subroutine open_grid
 
    !> Compares the next array of a grid with real numbers.
    subroutine vtk_check_put_reals(self, section, name, dimension, n_components, values)
@@ -477,9 +460,8 @@ contains
 
       call self%compare_markup('before '//name)
       if (.not. self%is_readable) return
-      call read_bytes(self%unit, self%position, name, n_bytes, bytes, fault)
+      call take_bytes(self%text, self%position, name, n_bytes, bytes, fault)
       if (len(fault) > 0) call self%stop_at(fault)
-      self%position = self%position + base64_size(bytes_per_length + n_bytes)
       call self%end_array()
    end subroutine vtk_check_read_array
 
@@ -487,40 +469,32 @@ contains
    subroutine vtk_check_compare_markup(self, place)
       class(vtk_check_t), intent(inout) :: self !! the grid
       character(*), intent(in) :: place !! its position in the file
-      character(len(self%markup)) :: found
-      integer :: status, i
+      integer :: i
 
       if (.not. self%is_readable) return
-      read (self%unit, pos=self%position, iostat=status) found
-      if (status /= 0) then
-         call self%stop_at('the file ends '//place)
-      else if (found /= self%markup) then
-         do i = 1, len(found)
-            if (found(i:i) /= self%markup(i:i)) exit
-         end do
-         call self%stop_at('from byte '//to_text(self%position + int(i - 1, int64))//' on, '//place// &
-            ', it is not a grid of this mesh')
-      end if
-      self%position = self%position + len(found, int64)
+      associate (found => self%text(self%position:min(self%position + len(self%markup) - 1, len(self%text))))
+         if (len(found) < len(self%markup)) then
+            call self%stop_at('the file ends '//place)
+         else if (found /= self%markup) then
+            do i = 1, len(found)
+               if (found(i:i) /= self%markup(i:i)) exit
+            end do
+            call self%stop_at('from byte '//to_text(self%position + i - 1)//' on, '//place// &
+               ', it is not a grid of this mesh')
+         end if
+      end associate
+      self%position = self%position + len(self%markup)
    end subroutine vtk_check_compare_markup
 
-   !> Compares the text after the last array, and closes the file.
+   !> Compares the text after the last array.
    subroutine vtk_check_close(self)
       class(vtk_check_t), intent(inout) :: self !! the grid
-      integer(int64) :: n_bytes
-      integer :: status
 
-      if (self%unit == -1) return
       call self%end_grid()
       call self%compare_markup('behind the last array')
-      inquire (unit=self%unit, size=n_bytes)
-      if (self%is_readable .and. n_bytes /= self%position - 1) then
+      if (self%is_readable .and. self%position <= len(self%text)) then
          call self%stop_at('bytes follow the end of the grid')
       end if
-      ! It was only read.
-      ! allow(C181): nothing can be lost
-      close (self%unit, iostat=status)
-      self%unit = -1
    end subroutine vtk_check_close
 
    !> Records a fault after which the file cannot be compared any further.
@@ -558,61 +532,50 @@ contains
       integer, intent(in) :: n_components !! numbers per point
       real(dp), intent(out) :: values(:) !! the values, those of one point together; 0 after a fault
       character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
-      character(:), allocatable :: markup, bytes
-      character(block_size) :: block
-      integer(int64) :: n_bytes, start, first
-      integer :: unit, status, found
+      type(error_t), allocatable :: error
+      character(:), allocatable :: text, markup, bytes
+      integer :: first
 
       values = 0.0_dp
-      call open_grid(unit, path)
-      if (unit == -1) then
+      call read_plain_file(path, text, error)
+      if (allocated(error)) then
          fault = 'cannot be read'
          return
       end if
       markup = '<DataArray type="Float64" Name="'//name//'"'
       if (n_components > 1) markup = markup//' NumberOfComponents="'//to_text(n_components)//'"'
       markup = markup//' format="binary">'
-      first = 0
-      inquire (unit=unit, size=n_bytes)
-      ! Blocks overlap: the markup may lie across the end of one.
-      do start = 1_int64, n_bytes, block_size - len(markup)
-         block = ''
-         read (unit, pos=start, iostat=status) block(:min(block_size, n_bytes - start + 1))
-         found = index(block, markup)
-         if (found > 0) first = start - 1 + found + len(markup)
-         if (found > 0 .or. status /= 0) exit
-      end do
+      first = index(text, markup)
       if (first == 0) then
          fault = 'no '//name//' stands where it was written'
       else
-         call read_bytes(unit, first, name, 8_int64*size(values, kind=int64), bytes, fault)
+         first = first + len(markup)
+         call take_bytes(text, first, name, 8_int64*size(values, kind=int64), bytes, fault)
          if (len(fault) == 0) values = transfer(bytes, values, size(values))
          if (.not. all(abs(values) <= huge(1.0_dp))) fault = 'not every '//name//' is a finite number'
       end if
-      close (unit)
    end subroutine read_array
 
-   !> Reads the bytes of an array, which follow after their number.
-   subroutine read_bytes(unit, position, name, n_bytes, bytes, fault)
-      integer, intent(in) :: unit !! the open file
-      integer(int64), intent(in) :: position !! position of its first letter, from 1
+   !> Takes the bytes of an array from the text of a grid, in which they follow after their number.
+   subroutine take_bytes(text, position, name, n_bytes, bytes, fault)
+      character(*), intent(in) :: text !! the text
+      integer, intent(inout) :: position !! position of its first letter, from 1; behind its last one on return
       character(*), intent(in) :: name !! name of the array
       integer(int64), intent(in) :: n_bytes !! number of bytes that it should have
       character(:), allocatable, intent(out) :: bytes !! the bytes, if they can be read
       character(:), allocatable, intent(out) :: fault !! why they cannot be read; empty if they can
-      character(:), allocatable :: text, all_bytes
-      integer(int64) :: found
-      integer :: status
+      character(:), allocatable :: all_bytes
+      integer(int64) :: found, last
       logical :: is_valid
 
       fault = ''
-      allocate (character(base64_size(bytes_per_length + n_bytes)) :: text)
-      read (unit, pos=position, iostat=status) text
-      if (status /= 0) then
+      last = position - 1 + base64_size(bytes_per_length + n_bytes)
+      if (last > len(text)) then
          fault = 'the file ends within '//name
          return
       end if
-      call decode_base64(text, bytes_per_length + n_bytes, all_bytes, is_valid)
+      call decode_base64(text(position:last), bytes_per_length + n_bytes, all_bytes, is_valid)
+      position = int(last) + 1
       found = transfer(all_bytes(:bytes_per_length), found)
       if (.not. is_valid) then
          fault = name//' is not '//to_text(bytes_per_length + n_bytes)//' bytes in base64'
@@ -621,7 +584,7 @@ contains
       else
          bytes = all_bytes(bytes_per_length + 1:)
       end if
-   end subroutine read_bytes
+   end subroutine take_bytes
 
    !> Compares the text files with the texts that follow from the other files.
    subroutine verified_case_compare(self, documents, summary)

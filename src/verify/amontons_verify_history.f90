@@ -4,16 +4,15 @@
 !> again.
 module amontons_verify_history
    use amontons_body, only: body_t
-   use amontons_document, only: read_status_runs
+   use amontons_document, only: document_t, read_status_runs
    use amontons_error, only: error_t, fault_list_t
-   use amontons_file_check, only: agree, compare_collection, compare_line, csv_table_t, read_csv_table, verified_case_t
-   use amontons_history_files, only: a_force, a_length, a_moment, history_files_t, history_tables, n_kinds, &
-      number_alone, of_grids, table_rows
+   use amontons_file_check, only: agree, compare_document, csv_table_t, read_csv_table, verified_case_t
+   use amontons_history_files, only: a_force, a_length, a_moment, history_files_t, n_kinds, number_alone
    use amontons_history_model, only: history_model_t
    use amontons_history_study, only: add_history_results, describe_history, history_result_t, new_step_result, &
       prepare_history, start_history, take_steps, worst_names
    use amontons_kinds, only: dp
-   use amontons_manifest, only: case_entries
+   use amontons_manifest, only: case_entries, collection_tail
    use amontons_quantity, only: largest_t
    use amontons_result, only: outcome_no_equilibrium, result_t
    use amontons_solve_case, only: cache_t, take_no_equilibrium
@@ -26,19 +25,17 @@ module amontons_verify_history
 
    public :: verify_history
 
-   !> The files of a history that was solved before: they are compared with its steps instead of written.
+   !> The files of a history that was solved before: its tables grow in memory, and are then compared with the files.
    type, extends(history_files_t) :: history_check_t
       character(:), allocatable :: stem !! directory and name of the case
-      type(csv_table_t), allocatable :: stated(:) !! the rows of each table; none of that of the grids
-      real(dp), allocatable :: largest(:, :) !! the largest number of each kind in each table (n_kinds, tables)
-      integer, allocatable :: n_compared(:) !! number of rows compared of each table
+      type(csv_table_t) :: stated !! the table of the steps as the file has it
+      integer :: n_steps = 0 !! number of steps taken
       type(law_scales_t) :: scales !! lengths and forces that count as zero
       type(fault_list_t) :: faults !! what does not agree
-      character(:), allocatable :: entries !! entries of the collection of grids so far
    contains
       procedure :: add_fields => history_check_add_fields
       procedure :: add_step => history_check_add_step
-      procedure :: finish_tables => history_check_finish_tables
+      procedure :: compare => history_check_compare
       procedure :: is_due => history_check_is_due
    end type history_check_t
 
@@ -64,9 +61,10 @@ contains
       call take_no_equilibrium(result%last, error)
       associate (last => result%last, stepping => result%stepping)
          if (.not. (allocated(error) .or. allocated(last%answer))) then
-            call new_history_check(check, case, model, cache, size(stepping%record%saved_numbers()))
+            call check%prepare(model, cache%body, stepping, '', case%config)
+            call read_steps(check, case, model, cache)
             if (check%faults%n == 0) call take_steps(cache, model, check, monitor, result, error)
-            if (check%faults%n == 0) call check%finish_tables(stepping%n_steps)
+            if (check%faults%n == 0 .and. stepping%n_steps > 0) call check%compare(model, cache)
             call case%faults%append(check%faults)
             if (check%faults%n > 0) return
             call result%record_end()
@@ -93,115 +91,80 @@ contains
       end associate
    end subroutine verify_history
 
-   !> Reads the tables of a history, and finds the scales of their numbers. Without a first step there are none.
-   subroutine new_history_check(check, case, model, cache, n_noted)
-      type(history_check_t), intent(out) :: check !! the tables
+   !> Reads the table of the steps, and finds what counts as zero. Without a first step there is none.
+   subroutine read_steps(check, case, model, cache)
+      type(history_check_t), intent(inout) :: check !! the files; gain the table
       type(verified_case_t), intent(in) :: case !! the history
       type(history_model_t), intent(in) :: model !! the history
       type(cache_t), intent(in) :: cache !! the body
-      integer, intent(in) :: n_noted !! how many numbers a state notes of the cycle under way
-      character(:), allocatable :: fault, text
-      real(dp) :: value, stiffness
-      integer :: i, k, row, first, length
-      logical :: is_number
+      character(:), allocatable :: fault
+      real(dp) :: largest(n_kinds)
 
       check%stem = case%stem
-      check%name = case%config%name
-      check%folder = check%name//'.history/'
-      check%units = case%config%units
-      check%entries = ''
-      call history_tables(check%tables, model, cache%body, n_noted)
-      allocate (check%stated(size(check%tables)))
-      check%n_compared = spread(0, 1, size(check%tables))
-      allocate (check%largest(n_kinds, size(check%tables)), source=0.0_dp)
-      check%largest(number_alone, :) = 1.0_dp
       if (len(case%value('', 'message')) > 0) return
-      stiffness = sum(cache%problem%matrix%augmentation)
-      do i = 1, size(check%tables)
-         associate (table => check%tables(i), largest => check%largest(:, i))
-            if (table%content == of_grids) cycle
-            call read_csv_table(check%stated(i), case%stem//table%ending, table%header, size(table%kinds), fault)
-            if (len(fault) > 0) call check%faults%add(case%stem//table%ending, fault)
-            if (len(fault) > 0) cycle
-            do row = 1, check%stated(i)%n_rows
-               text = check%stated(i)%row(row)//','
-               first = 1
-               do k = 1, size(table%kinds)
-                  length = index(text(first:), ',') - 1
-                  ! A field that is not a number differs from the computed one.
-                  call read_real(text(first:first + length - 1), value, is_number)
-                  if (is_number .and. table%kinds(k) /= number_alone) largest(table%kinds(k)) = &
-                     max(largest(table%kinds(k)), abs(value))
-                  first = first + length + 1
-               end do
-            end do
-            ! Forces may balance each other.
-            largest(a_moment) = max(largest(a_moment), largest(a_force)*model%solver%size_of_body)
-            if (stiffness > 0.0_dp) largest(a_length) = max(largest(a_length), largest(a_force)/stiffness)
-         end associate
-      end do
-      check%scales = scales_of(model%solver%method%tolerance, check%largest(a_force, 1), &
-         cache%problem%matrix%augmentation)
-   end subroutine new_history_check
+      associate (table => check%tables(1), stated => check%stated)
+         call read_csv_table(stated, case%stem//table%ending, table%header, size(table%kinds), fault)
+         if (len(fault) > 0) then
+            call check%faults%add(case%stem//table%ending, fault)
+         else
+            largest = largest_numbers(stated%text(len(table%header) + 1:), table%kinds)
+            check%scales = scales_of(model%solver%method%tolerance, largest(a_force), &
+               cache%problem%matrix%augmentation)
+         end if
+      end associate
+   end subroutine read_steps
 
-   !> Compares the rows of a step; the history ends at the first step that does not agree.
+   !> The largest magnitudes of the numbers of each kind in rows of a table; 1 of numbers that stand alone.
+   pure function largest_numbers(rows, kinds) result(largest)
+      character(*), intent(in) :: rows !! the rows, whole lines
+      integer, intent(in) :: kinds(:) !! kinds of its columns; none of a text that is no table
+      real(dp) :: largest(n_kinds), value
+      integer :: first, k, last
+      logical :: is_number
+
+      largest = 0.0_dp
+      largest(number_alone) = 1.0_dp
+      first = merge(1, len(rows) + 1, size(kinds) > 0)
+      k = 0
+      do while (first <= len(rows))
+         last = first + scan(rows(first:), ','//newline) - 2
+         k = 1 + modulo(k, size(kinds))
+         if (kinds(k) /= number_alone) then
+            call read_real(rows(first:last), value, is_number)
+            largest(kinds(k)) = max(largest(kinds(k)), abs(value))
+         end if
+         first = last + 2
+      end do
+   end function largest_numbers
+
+   !> Adds the rows of a step, with the iterations and statuses that the file states; the history ends where that does.
    subroutine history_check_add_step(self, model, body, stepping)
-      class(history_check_t), intent(inout) :: self !! the tables; gain the faults
+      class(history_check_t), intent(inout) :: self !! the files; gain the rows, and the faults
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
       type(time_stepping_t), intent(inout) :: stepping
          !! the time stepping at the end of the step; gains iterations and statuses of the row
-      integer :: status(body%zone%n_points), i, n, n_iterations
+      integer :: status(body%zone%n_points), n_iterations
       logical :: ok
 
-      n = self%n_compared(1) + 1
-      associate (steps => self%stated(1), solution => stepping%state%solution, &
+      self%n_steps = self%n_steps + 1
+      associate (n => self%n_steps, stated => self%stated, solution => stepping%state%solution, &
          path => self%stem//self%tables(1)%ending)
-         if (n > steps%n_rows) then
+         if (n > stated%n_rows) then
             call self%faults%add(path, 'it ends before the history: a step to '// &
                to_text(stepping%state%instant%time)//' is possible')
          else
-            call read_integer(steps%field(n, steps%column('iterations')), n_iterations, ok)
+            call read_integer(stated%field(n, stated%column('iterations')), n_iterations, ok)
             if (ok) stepping%n_iterations = stepping%n_iterations + n_iterations - solution%n_iterations
             if (ok) solution%n_iterations = n_iterations
-            call read_status_runs(status, steps%field(n, steps%column('statuses')), ok)
+            call read_status_runs(status, stated%field(n, stated%column('statuses')), ok)
             if (ok) call follow_statuses(self%faults, solution, path//':'//to_text(n + 1), status, body, &
                model%solver%loads, stepping%state%instant, self%scales)
-            do i = 1, size(self%tables)
-               if (self%tables(i)%content /= of_grids) call compare_rows(self, i, &
-                  table_rows(self%tables(i), model, body, stepping))
-            end do
          end if
       end associate
+      call self%history_files_t%add_step(model, body, stepping)
       if (self%faults%n > 0) stepping%is_ended = .true.
    end subroutine history_check_add_step
-
-   !> Compares the next rows of a table with the expected ones.
-   subroutine compare_rows(check, number, rows)
-      type(history_check_t), intent(inout) :: check !! the tables; gain the fault
-      integer, intent(in) :: number !! number of the table
-      character(*), intent(in) :: rows !! the expected lines of text
-      character(:), allocatable :: fault
-      integer :: first, last
-      logical :: is_lost
-
-      associate (stated => check%stated(number), table => check%tables(number), n => check%n_compared(number))
-         first = 1
-         do while (first < len(rows))
-            last = first + index(rows(first:), newline) - 2
-            n = n + 1
-            if (n > stated%n_rows) then
-               fault = 'rows are missing'
-            else
-               call compare_line(fault, stated%row(n), rows(first:last), stated%header, &
-                  check%largest(table%kinds(:size(table%kinds) - 1), number), 0.0_dp, is_lost)
-            end if
-            if (len(fault) > 0) call check%faults%add(check%stem//table%ending//':'//to_text(n + 1), fault)
-            if (len(fault) > 0) return
-            first = last + 2
-         end do
-      end associate
-   end subroutine compare_rows
 
    !> Compares the grids of a step with its result.
    subroutine history_check_add_fields(self, body, number, time, result, error)
@@ -213,7 +176,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! never
 
       call check_grids(self%faults, self%units, body, result, self%stem//'.history/'//to_text(number))
-      self%entries = self%entries//case_entries(time, self%folder//to_text(number))
+      call self%checkpoint%add_rows(self%grids_table, case_entries(time, self%folder//to_text(number)))
    end subroutine history_check_add_fields
 
    !> Nothing is put on the disk.
@@ -225,22 +188,31 @@ contains
       end associate
    end function history_check_is_due
 
-   !> Compares the collection of grids, and reports rows of tables that belong to no step.
-   subroutine history_check_finish_tables(self, n_steps)
+   !> Compares the tables, and the collection of the grids, with the files.
+   subroutine history_check_compare(self, model, cache)
       class(history_check_t), intent(inout) :: self !! the files; gain the faults
-      integer, intent(in) :: n_steps !! number of steps
+      type(history_model_t), intent(in) :: model !! the history
+      type(cache_t), intent(in) :: cache !! the body
+      type(document_t) :: document
+      character(:), allocatable :: rows
+      real(dp) :: largest(n_kinds)
       integer :: i
 
-      do i = 1, merge(size(self%tables), 0, n_steps > 0)
-         associate (path => self%stem//self%tables(i)%ending)
-            if (self%tables(i)%content == of_grids) then
-               call compare_collection(self%faults, path, self%entries)
-            else if (self%n_compared(i) < self%stated(i)%n_rows) then
-               call self%faults%add(path, 'there are more rows than the steps have')
-            end if
+      do i = 1, size(self%tables)
+         associate (table => self%tables(i), stiffness => sum(cache%problem%matrix%augmentation))
+            rows = self%checkpoint%rows(i)
+            largest = largest_numbers(rows, table%kinds)
+            ! Forces may balance each other.
+            largest(a_moment) = max(largest(a_moment), largest(a_force)*model%solver%size_of_body)
+            if (stiffness > 0.0_dp) largest(a_length) = max(largest(a_length), largest(a_force)/stiffness)
+            if (i == self%grids_table) rows = rows//collection_tail
+            document = document_t()
+            document%ending = table%ending
+            call document%add(table%header//rows, [largest(table%kinds), 0.0_dp])
+            call compare_document(self%faults, self%stem, document)
          end associate
       end do
-   end subroutine history_check_finish_tables
+   end subroutine history_check_compare
 
    !> Takes the largest number of all steps from the summary, if it agrees within rounding.
    subroutine adopt_stated_worst(case, number, n_steps, worst)

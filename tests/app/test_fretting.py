@@ -231,8 +231,8 @@ class Fretting(HistoryTest):
         path = self.results / "bar.cycles.csv"
         text = path.read_text(encoding="utf-8")
         for forged, expected in ((text.replace("steady", "ratcheting"), "follows from the other files"),
-                                 (text + text.splitlines(keepends=True)[-1], "there are more rows than the steps have"),
-                                 (text.splitlines(keepends=True)[0], "bar.cycles.csv:2: rows are missing")):
+                                 (text + text.splitlines(keepends=True)[-1], "nothing follows here from"),
+                                 (text.splitlines(keepends=True)[0], "bar.cycles.csv: it ends before the line '1,")):
             path.write_text(forged, encoding="utf-8")
             self.renew_manifest("bar")
             self.assertIn(expected, self.run_program("--verify", "out", status=4).stderr)

@@ -28,7 +28,7 @@ module amontons_history_files
    implicit none (type, external)
    private
 
-   public :: history_files_t, history_table_t, history_tables, open_history_files, read_start, step_numbers, table_rows
+   public :: history_files_t, history_table_t, history_tables, read_start, step_numbers
 
    !> Content of a table: the steps.
    integer, parameter :: of_steps = 1
@@ -37,7 +37,7 @@ module amontons_history_files
    !> Content of a table: the states at the end of steps.
    integer, parameter :: of_states = 3
    !> Content of a table: the grids of steps.
-   integer, parameter, public :: of_grids = 4
+   integer, parameter :: of_grids = 4
    !> Content of a table: the cycles.
    integer, parameter :: of_cycles = 5
 
@@ -88,6 +88,8 @@ module amontons_history_files
       procedure :: add_step => history_files_add_step
       procedure :: finish => history_files_finish
       procedure :: is_due => history_files_is_due
+      procedure :: open => history_files_open
+      procedure :: prepare => history_files_prepare
    end type history_files_t
 
 contains
@@ -438,37 +440,42 @@ contains
       rows = as_lines(lines)
    end function points_rows
 
-   !> Opens the files that the deck asks for; they continue those of an interrupted run of the same history.
-   ! allow(S902): what the files are of, where they are, and what an earlier run left
-   subroutine open_history_files(files, model, body, stepping, directory, label, key, progress, error)
-      type(history_files_t), intent(out) :: files !! the files
+   !> Describes the tables that the deck asks for, still without files.
+   subroutine history_files_prepare(self, model, body, stepping, directory, label)
+      class(history_files_t), intent(inout) :: self !! the files
       type(history_model_t), intent(in) :: model !! the history
       type(body_t), intent(in) :: body !! the body
       type(time_stepping_t), intent(in) :: stepping !! the time stepping at its start
       character(*), intent(in) :: directory !! output directory
       class(case_label_t), intent(in) :: label !! name, title and units of the case
+      integer :: i
+
+      self%directory = directory//'/'
+      self%name = label%name
+      self%folder = label%name//'.history/'
+      self%units = label%units
+      call new_checkpoint(self%checkpoint, directory//'/'//label%name//'.history')
+      call history_tables(self%tables, model, body, size(stepping%record%saved_numbers()))
+      self%grids_table = findloc(self%tables%content, of_grids, dim=1)
+      do i = 1, size(self%tables)
+         call self%checkpoint%add_table(self%directory//self%name//self%tables(i)%ending//'.part', &
+            self%tables(i)%header)
+      end do
+   end subroutine history_files_prepare
+
+   !> Opens the files; they continue those of an interrupted run of the same history.
+   subroutine history_files_open(self, key, progress, error)
+      class(history_files_t), intent(inout) :: self !! the files, prepared
       character(*), intent(in) :: key !! everything that the history depends on, lines of text
       type(archive_t), allocatable, intent(out) :: progress
          !! the progress of an earlier run; not allocated if there is none
       type(error_t), allocatable, intent(out) :: error !! they cannot be written
-      integer :: i
 
-      files%directory = directory//'/'
-      files%name = label%name
-      files%folder = label%name//'.history/'
-      files%units = label%units
-      call new_checkpoint(files%checkpoint, directory//'/'//label%name//'.history')
-      call history_tables(files%tables, model, body, size(stepping%record%saved_numbers()))
-      files%grids_table = findloc(files%tables%content, of_grids, dim=1)
-      do i = 1, size(files%tables)
-         call files%checkpoint%add_table(files%directory//files%name//files%tables(i)%ending//'.part', &
-            files%tables(i)%header)
-      end do
-      call make_directory(files%directory, error)
-      if (.not. allocated(error) .and. files%grids_table > 0) call make_directory(files%directory//files%folder, error)
-      if (.not. allocated(error)) call files%checkpoint%open(key, progress, error)
-      if (.not. allocated(error) .and. files%grids_table > 0) call remove_temporaries(files%directory//files%folder)
-   end subroutine open_history_files
+      call make_directory(self%directory, error)
+      if (.not. allocated(error) .and. self%grids_table > 0) call make_directory(self%directory//self%folder, error)
+      if (.not. allocated(error)) call self%checkpoint%open(key, progress, error)
+      if (.not. allocated(error) .and. self%grids_table > 0) call remove_temporaries(self%directory//self%folder)
+   end subroutine history_files_open
 
    !> Adds the rows of a step to all tables.
    subroutine history_files_add_step(self, model, body, stepping)

@@ -7,7 +7,7 @@ module amontons_history_study
    use amontons_document, only: json_logical, json_number, json_string, quantity_members
    use amontons_error, only: error_t, new_error
    use amontons_history, only: history_t, is_shown, moved_things, stepped_load, steps_t
-   use amontons_history_files, only: history_files_t, open_history_files, read_start
+   use amontons_history_files, only: history_files_t, read_start
    use amontons_history_model, only: find_probes, history_model_t, new_history_model, step_state_t
    use amontons_key_results, only: contact_peaks, lengths_t, new_lengths, resultants
    use amontons_kinds, only: dp
@@ -124,7 +124,8 @@ contains
       ! From the start, or from the last step that an earlier run has saved.
       key = '! Amontons '//version//', a history under way; files '// &
          inputs%fingerprint(cache%body%mesh, config%contacts, config%loads)//newline//effective_deck(config)
-      call open_history_files(files, model, cache%body, result%stepping, directory, config, key, progress, error)
+      call files%prepare(model, cache%body, result%stepping, directory, config)
+      call files%open(key, progress, error)
       if (allocated(error)) return
       if (allocated(progress)) then
          call result%visit(progress)
