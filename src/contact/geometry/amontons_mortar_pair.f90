@@ -18,10 +18,11 @@
 !> A bonded corner that a support guides has no multiplier along its tangent: the tangential function of its neighbor
 !> on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is then another one than
 !> that of the normal.
+! allow(S271): gfortran 12 fails if the modules are in order
 module amontons_mortar_pair
+   use amontons_contact_set, only: pairing_t
    use amontons_boundary, only: new_patch, patch_t
    use amontons_constraints, only: constraints_t
-   use amontons_contact_set, only: pairing_t
    use amontons_dense, only: small_inverse
    use amontons_element, only: side_shapes
    use amontons_error, only: error_t, input_refused, new_error
