@@ -3,7 +3,7 @@
 module amontons_config_groups
    use amontons_case_label, only: case_label_t
    use amontons_constraints, only: along_normal, along_tangent, longest_name, support_t, supported_components
-   use amontons_contact_set, only: contact_t, gap_names, line_field_t, multiplier_names, tie_t
+   use amontons_contact_set, only: contact_t, gap_names, line_field_t, multiplier_names, sliding_names, tie_t
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_element, only: element_names, is_solid
    use amontons_error, only: error_t
@@ -698,6 +698,8 @@ contains
       call read_surface(visitor, contact%obstacle)
       call visitor%vector(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
          default="the body's normal", is_nonzero=.true., is_shared=.true.), contact%direction)
+      call visitor%word(key_t('sliding', 'whether normals, gaps and partners stay those at rest, or are those at the'// &
+         ' moved places', default="`'small'`", is_shared=.true.), contact%sliding, sliding_names)
       call describe_field(visitor, gap_keys, contact%extra_gap)
       ! Describes the keys of the multipliers.
       multipliers = multiplier_names(merge(2, merge(3, 1, is_pair), contact%partition%is_constant))
@@ -747,6 +749,11 @@ contains
             "obstacle = 'surface' needs file = 'FILE.stl'")
          call visitor%only('normal', obstacle%kind /= 'surface', 'an obstacle without a file of triangles')
       end associate
+      call visitor%require(.not. contact%slides_far() .or. .not. (contact%partition%is_constant .or. &
+         visitor%has('gap_direction') .or. contact%pairing%gap == gap_names(2)), 'sliding', &
+         "sliding = 'finite' does not go with constant multipliers, gap_direction or gap = 'touching'")
+      call visitor%require(.not. contact%slides_far() .or. visitor%deck%count_groups('sweep') == 0, 'sliding', &
+         "sliding = 'finite' does not go with &sweep: a history takes the way as steps")
       call visitor%only('cells cell_ends', contact%partition%is_constant, "multipliers = 'constant'")
       if (contact%partition%is_constant) call visitor%state_dimensions(2, 'multipliers', " = 'constant'")
       call visitor%only('wear', visitor%deck%count_groups('history') > 0, 'a deck with &history')

@@ -26,6 +26,7 @@ module amontons_load_solver
       rigid_part, settle
    use amontons_methods, only: method_options_t, new_contact_method, solve_components
    use amontons_newton, only: newton_t
+   use amontons_sliding, only: slide
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_text, only: short_text
    implicit none (type, external)
@@ -48,6 +49,7 @@ module amontons_load_solver
       logical :: shares_factor = .false. !! whether ranks that share one factor solve members side by side
       real(dp) :: size_of_body = 0.0_dp !! the larger side of the bounding box of the mesh [L]
    contains
+      procedure :: slide => load_solver_slide
       procedure :: solve => load_solver_solve
       procedure, private :: refine => load_solver_refine
       procedure, private :: solve_from_motion => load_solver_solve_from_motion
@@ -150,6 +152,31 @@ contains
       end if
       solution%is_converged = outcome == outcome_solved
    end subroutine load_solver_solve
+
+   !> Solves the contact problem of a member whose points slide far, at their moved places.
+   subroutine load_solver_slide(self, body, acting, problem, solution, outcome, reason, error_kind, before, acted)
+      class(load_solver_t), intent(in) :: self !! the solver, its loads condensed
+      type(body_t), intent(inout) :: body !! the body, condensed; its contact points are left at the places found
+      class(acting_t), intent(inout) :: acting !! the member; gains gaps, anchors and ways of obstacles
+      type(contact_problem_t), intent(in) :: problem !! the problem on its carriers, posed
+      type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
+      integer, intent(out) :: outcome !! one of the outcomes of `amontons_result`
+      character(:), allocatable, intent(out) :: reason !! why there is no solution; empty for one not converged
+      integer, intent(out) :: error_kind !! kind of the error that the reason is
+      type(contact_solution_t), intent(in), optional :: before !! the end of the step before; at rest if absent
+      class(acting_t), intent(in), optional :: acted !! what acted then
+      type(error_t), allocatable :: error
+
+      reason = ''
+      error_kind = numerical_failure
+      call slide(body, self%loads, self%method, acting, problem, solution, error, before, acted)
+      outcome = merge(outcome_solved, outcome_not_converged, solution%is_converged)
+      if (.not. allocated(error)) return
+      solution%is_converged = .false.
+      reason = error%message
+      error_kind = error%kind
+      outcome = merge(outcome_no_equilibrium, outcome_numbers, error_kind == no_equilibrium)
+   end subroutine load_solver_slide
 
    !> Whether the contact forces of a solution hold a loose body beyond doubt, without friction at its bound: methods
    !> accept a solution for loads a little above what contact and friction bear, far away, or by ties that lie apart,

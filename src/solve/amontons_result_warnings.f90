@@ -78,8 +78,8 @@ contains
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
          result%load_case%gap, result%solution%status)
       call add_reached_ends(result, body, reached)
-      corner = corner_overlap(body, result%load_case%contacts, body%zone, result%load_case%extra_gap, &
-         result%displacement(:size(body%mesh%coordinates, 1), :), badly_resolved)
+      if (.not. body%slides_far) corner = corner_overlap(body, result%load_case%contacts, body%zone, &
+         result%load_case%extra_gap, result%displacement(:size(body%mesh%coordinates, 1), :), badly_resolved)
       if (corner%set > 0) call result%warnings%add("contact set '"//result%load_case%contacts(corner%set)%set// &
          "': a corner or apex of the obstacle penetrates the body by "//result%warnings%number(corner%depth, 'L')// &
          ' at '//result%warnings%place(corner%place)//', between contact points: refine the mesh there until its '// &
@@ -117,9 +117,11 @@ contains
                'contact set at the corner, or give gap_direction')
          end associate
       end associate
-      call add_passed_points(result%warnings, body, result%load_case, result%displacement)
-      call add_far_slips(result%warnings, body%zone, result%displacement, result%solution%status)
-      call add_lost_friction(result, body)
+      if (.not. body%slides_far) then
+         call add_passed_points(result%warnings, body, result%load_case, result%displacement)
+         call add_far_slips(result%warnings, body%zone, result%displacement, result%solution%status)
+         call add_lost_friction(result, body)
+      end if
       call add_couples(result, body)
    end subroutine add_result_warnings
 
@@ -329,7 +331,7 @@ contains
       m = body%zone%n_points
       is_raised = .false.
       if (m == 0) return
-      is_raised(1) = exceeds(maxval(hypot(solution%displacement(:m), &
+      is_raised(1) = .not. body%slides_far .and. exceeds(maxval(hypot(solution%displacement(:m), &
          tangential_norm(solution%displacement(m + 1:), m))), large_displacement*size_of_body)
       is_raised(2:3) = lacks_points(solution%status)
       is_raised(5) = exceeds(maxval(solution%force(:m)/body%zone%area), &
@@ -396,7 +398,7 @@ contains
       integer :: node, at
 
       largest = maxval(norm2(displacement, dim=1))
-      if (exceeds(largest, large_displacement*body%size)) call warnings%add('displacement of '// &
+      if (exceeds(largest, large_displacement*body%size) .and. .not. body%slides_far) call warnings%add('displacement of '// &
          warnings%number(largest, 'L')//', '// &
          percent(largest/body%size)//" of the body's size; the theory is for small displacements (up to "// &
          percent(large_displacement)//'); check units, loads and moduli')

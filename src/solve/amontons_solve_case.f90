@@ -34,6 +34,7 @@ module amontons_solve_case
    use amontons_result, only: depth_worn, factor_t, outcome_no_equilibrium, outcome_numbers, result_t
    use amontons_result_warnings, only: add_result_warnings
    use amontons_rounding, only: computed_rounding
+   use amontons_sliding, only: take_places
    use amontons_stress_field, only: error_estimate_t, new_error_estimate, new_recovered_stress, new_stress_field, &
       recovered_stress_t
    use amontons_surface, only: surface_t
@@ -87,6 +88,7 @@ contains
       ! A history may have left motions locked.
       if (has_body .and. cache%is_condensed) has_body = .not. any(cache%body%condensation%is_locked)
       if (has_body) then
+         if (cache%body%slides_far) call cache%body%rest()
          call check_names(config, cache%body%mesh, error)
       else
          call make_body(cache, config, error)
@@ -243,7 +245,7 @@ contains
       type(result_t), intent(inout) :: result
          !! the result: with its load case and method, times begun, a solution to start from, and what is known of its
          !! uniqueness from another load case of the body; gains everything else
-      type(body_t), intent(in) :: body !! the body, condensed
+      type(body_t), intent(inout) :: body !! the body, condensed; points that slide far are left at their places
       type(contact_problem_t), intent(inout) :: problem
          !! its contact problem; left with this load case, and the compliance if the method makes it
       type(error_t), allocatable, intent(out) :: error !! there is no such method, or the computation failed numerically
@@ -265,7 +267,13 @@ contains
       call solver%loads%pose(body, acting, problem)
       call result%timings%begin(phase_solve)
       if (.not. any(abs(problem%load) > 0.0_dp) .and. allocated(result%started_from)) deallocate (result%started_from)
-      call solver%solve(body, acting, problem, result%solution, result%outcome, result%answer, kind)
+      if (body%slides_far) then
+         call solver%slide(body, acting, problem, result%solution, result%outcome, result%answer, kind)
+         call solver%loads%load_case(body, acting, result%load_case)
+         if (allocated(result%solution%carried)) call take_places(body, solver%loads, acting, result%solution)
+      else
+         call solver%solve(body, acting, problem, result%solution, result%outcome, result%answer, kind)
+      end if
       deallocate (solver)
       if (result%outcome == outcome_numbers) call new_error(error, kind, result%answer)
       if (any(result%outcome == [outcome_no_equilibrium, outcome_numbers])) return
@@ -283,7 +291,7 @@ contains
       if (allocated(error)) return
       call add_result_warnings(result, body)
       known = result%uniqueness
-      call new_uniqueness(result%uniqueness, problem, known)
+      if (.not. body%slides_far) call new_uniqueness(result%uniqueness, problem, known)
       ! The caller writes the result next.
       call result%timings%begin(phase_write)
    end subroutine solve_load_case
@@ -310,8 +318,8 @@ contains
       real(dp), parameter :: explaining = 1.0e8_dp
       real(dp) :: condition, forces
 
-      call recover_with_travel(result%displacement, body, result%load_case, result%solution%displacement, &
-         result%solution%force)
+      call recover_with_travel(result%displacement, body, result%load_case, result%solution%of_body(1), &
+         result%solution%of_body(2))
       call evaluate(result, body)
       if (.not. (all(ieee_is_finite(result%displacement)) .and. result%certificate%is_finite())) then
          call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &

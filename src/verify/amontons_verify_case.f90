@@ -24,6 +24,7 @@ module amontons_verify_case
    use amontons_result, only: certificate_limit, judge_meshes, outcome_no_equilibrium, refined_quantities, result_t, &
       word_no_equilibrium
    use amontons_result_warnings, only: add_result_warnings
+   use amontons_sliding, only: take_displacement
    use amontons_solve_case, only: cache_t, evaluate, prepare_single_case, solve_case
    use amontons_text, only: read_reals, replaced, to_text
    use amontons_vtu, only: show_body, show_contact_line
@@ -71,8 +72,22 @@ contains
          call prepare_single_case(cache, case%solved, result, error)
       end if
       call verify_answer(case, cache, result, error, is_done)
-      if (.not. is_done) call verify_result(case, cache%body, result)
+      if (is_done) return
+      if (cache%body%slides_far) call place_as_stated(case, cache%body, result)
+      call verify_result(case, cache%body, result)
    end subroutine verify_case
+
+   !> Puts contact points that slide far where the displacements in the grid have them.
+   subroutine place_as_stated(case, body, result)
+      type(verified_case_t), intent(inout) :: case !! the case; gains the fault of its grid
+      type(body_t), intent(inout) :: body !! the body
+      type(result_t), intent(inout) :: result !! the load case; gains gaps and anchors
+      character(:), allocatable :: fault
+
+      call restore_displacement(result, body, case%stem//'.vtu', fault)
+      call case%fault('.vtu', fault)
+      if (len(fault) == 0) call take_displacement(result%load_case, body, result%displacement)
+   end subroutine place_as_stated
 
    !> Verifies the files of a case without a solution, and reports a deck that cannot be solved again.
    subroutine verify_answer(case, cache, result, error, is_done)

@@ -10,10 +10,14 @@ module amontons_contact_set
    private
 
    public :: cell_partition_t, contact_t, gap_names, line_field_t, multiplier_names, new_contact, new_tie, pairing_t, &
-      tie_t
+      sliding_names, tie_t
 
    !> Sources of the gaps of a pair, as a deck names them: the meshes, or 0 wherever the bodies face each other.
    character(8), parameter :: gap_names(*) = [character(8) :: 'mesh', 'touching']
+
+   !> How far the points of a set slide, as a deck names it: so little that partners, normals and arms stay those at rest,
+   !> or any way.
+   character(6), parameter :: sliding_names(*) = [character(6) :: 'small', 'finite']
 
    !> The other body of a contact set. The set is the slave, which carries the multipliers; the boundary of the other
    !> body is the master.
@@ -81,8 +85,11 @@ module amontons_contact_set
       type(line_field_t) :: friction !! Coulomb's coefficient phi, at least 0 [-]
       type(line_field_t) :: slip_bound !! given (Tresca) bound g of the shear stress, at least 0 [F/L^2]
       real(dp) :: wear = 0.0_dp !! Archard's coefficient: depth worn per pressure and slip, at least 0 [L^2/F]
+      character(6) :: sliding = 'small' !! how far its points slide, one of `sliding_names`
       type(cell_partition_t) :: partition !! whether multipliers are nodal or constant on cells, and on which cells
       character(:), allocatable :: origin !! where the contact was specified, for messages: 'deck.nml:12: '
+   contains
+      procedure :: slides_far => contact_slides_far
    end type contact_t
 
 contains
@@ -97,6 +104,13 @@ contains
       contact%friction%value = friction
       contact%origin = ''
    end subroutine new_contact
+
+   !> Whether normals, gaps and partners of the set are those at the moved places.
+   elemental logical function contact_slides_far(self) result(slides_far)
+      class(contact_t), intent(in) :: self !! the contact set
+
+      slides_far = self%sliding == sliding_names(2)
+   end function contact_slides_far
 
    !> Makes a tie between two boundary sets.
    pure subroutine new_tie(tie, set, to)

@@ -114,6 +114,8 @@ contains
       end do
       pair%frame = new_frames(normal, size(pair%frame, 1))
       call find_facing_parts(pair)
+      pair%covered_share = spread(0.0_dp, 1, size(pair%node))
+      pair%covered_share(pair%point_of(1, :)) = sum(pair%part, dim=1)
       if (present(keeps_carriers)) then
          if (keeps_carriers) return
       end if

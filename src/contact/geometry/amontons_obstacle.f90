@@ -40,6 +40,7 @@ module amontons_obstacle
       real(dp), allocatable :: inside(:) !! a point behind the surface; not allocated where the file tells its sides [L]
       type(triangulation_t) :: surface !! the surface, in coordinates from `point` on
    contains
+      procedure :: approach => obstacle_approach
       procedure, private :: crossings => obstacle_crossings
       procedure :: depth => obstacle_depth
       procedure, private :: frame => obstacle_frame
@@ -62,6 +63,7 @@ module amontons_obstacle
       real(dp) :: cosine = 0.0_dp
          !! of the angle between the line's way back and the outward normal: positive where the line enters [-]
       real(dp) :: sine = 0.0_dp !! of this angle, without sign [-]
+      real(dp) :: outward(3) = 0.0_dp !! the outward normal there, in the frame of the search [-]
    end type crossing_t
 
    !> Number of segments in a bounding box: long lines are compared box by box first.
@@ -77,6 +79,7 @@ contains
       type(crossing_t), allocatable :: crossings(:)
       real(dp) :: frame(size(position), size(position))
       real(dp), dimension(size(position)) :: x, e
+      integer :: i
 
       frame = self%frame(size(position))
       x = matmul(transpose(frame), position - self%point(:size(position)))
@@ -95,9 +98,14 @@ contains
          crossings = surface_crossings(self%surface, position - self%point, direction)
       case default
          associate (n => size(x))
-            if (abs(e(n)) > sum_rounding) crossings = [crossing_t(-x(n)/e(n), -e(n), norm2(e(:n - 1)))]
+            if (abs(e(n)) > sum_rounding) crossings = [crossing_t(-x(n)/e(n), -e(n), norm2(e(:n - 1)), &
+               in_space([(0.0_dp, i=2, n), 1.0_dp]))]
          end associate
       end select
+      if (self%kind == 'surface') return
+      do i = 1, size(crossings)
+         crossings(i)%outward(:size(x)) = matmul(frame, crossings(i)%outward(:size(x)))
+      end do
    end function obstacle_crossings
 
    !> The positions where a line crosses a polyline; it enters the obstacle from the polyline's left side.
@@ -124,7 +132,8 @@ contains
          way = (to_start(1)*along(2) - to_start(2)*along(1))/cross
          ! At their common end two segments are crossed at the same position.
          if (abs(place*(1.0_dp - place)) <= near) way = dot_product(line(:, merge(i, i + 1, place < 0.5_dp)) - x, e)
-         crossings = [crossings, crossing_t(way, cross/norm2(along), abs(dot_product(e, along))/norm2(along))]
+         crossings = [crossings, crossing_t(way, cross/norm2(along), abs(dot_product(e, along))/norm2(along), &
+            [-along(2), along(1), 0.0_dp]/norm2(along))]
       end do
    end function polyline_crossings
 
@@ -168,7 +177,7 @@ contains
                if (count(inward <= reach) > 1) way = height(minloc(norm2(p, dim=1), dim=1))
             end if
             if (abs(way) <= reach) way = 0.0_dp
-            crossings = [crossings, crossing_t(way, -dot_product(normal, e), sine(e, normal))]
+            crossings = [crossings, crossing_t(way, -dot_product(normal, e), sine(e, normal), normal)]
          end associate
       end do
    end function surface_crossings
@@ -349,10 +358,20 @@ contains
 
          gradient = 2.0_dp*w*(start + way*e)
          gradient(n) = gradient(n) + height
-         crossing = crossing_t(length*way, -slope*sign(1.0_dp, radius)/norm2(gradient), sine(e, gradient))
+         crossing = crossing_t(length*way, -slope*sign(1.0_dp, radius)/norm2(gradient), sine(e, gradient), &
+            in_space(sign(1.0_dp, radius)/norm2(gradient)*gradient))
       end function zero_crossing
 
    end function conic_crossings
+
+   !> A vector with three components, the last one 0 in the plane.
+   pure function in_space(vector)
+      real(dp), intent(in) :: vector(:) !! the vector (n_dim)
+      real(dp) :: in_space(3)
+
+      in_space = 0.0_dp
+      in_space(:size(vector)) = vector
+   end function in_space
 
    !> The sine of the angle between a unit vector and another vector, from 0 to 1 [-].
    pure real(dp) function sine(e, vector)
@@ -369,7 +388,7 @@ contains
    !> The gap from a point along a direction. In free space it is the distance to the first position ahead where the
    !> line enters; inside it is minus the distance back to the position where the line entered last. A line that does
    !> not enter, or enters at too small a cosine, has no gap. Beyond the end of a polyline no point is inside.
-   pure subroutine obstacle_measure(self, position, direction, gap, is_met, cosine, angle)
+   pure subroutine obstacle_measure(self, position, direction, gap, is_met, cosine, angle, outward)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(:) !! the point (n_dim) [L]
       real(dp), intent(in) :: direction(:) !! the direction, a unit vector (n_dim) [-]
@@ -377,6 +396,7 @@ contains
       logical, intent(out) :: is_met !! whether there is one
       real(dp), intent(out) :: cosine !! of the angle between the direction and the way into the surface there [-]
       real(dp), intent(out), optional :: angle !! this angle, whose cosine loses the digits of small ones [-]
+      real(dp), intent(out), optional :: outward(:) !! the outward normal there; -direction without a gap (n_dim) [-]
       type(crossing_t), allocatable :: crossings(:)
       integer :: found
 
@@ -387,13 +407,35 @@ contains
       found = find_entry(crossings)
       gap = 0.0_dp
       cosine = 0.0_dp
+      if (present(outward)) outward = -direction
       if (found > 0) then
+         if (present(outward)) outward = crossings(found)%outward(:size(outward))
          gap = crossings(found)%way
          cosine = crossings(found)%cosine
          if (present(angle)) angle = atan2(crossings(found)%sine, cosine)
       end if
       is_met = cosine >= steepest_cosine
    end subroutine obstacle_measure
+
+   !> The gap from a point along the normal of the obstacle: the directions from which it is measured follow the normals
+   !> at their feet, so that the last one is that of the nearest position as the gap closes.
+   pure subroutine obstacle_approach(self, position, direction, gap, is_met)
+      class(obstacle_t), intent(in) :: self !! the obstacle
+      real(dp), intent(in) :: position(:) !! the point (n_dim) [L]
+      real(dp), intent(inout) :: direction(:)
+         !! a direction towards the obstacle; that opposite to the obstacle's normal on return, a unit vector (n_dim) [-]
+      real(dp), intent(out) :: gap !! the gap along it [L]
+      logical, intent(out) :: is_met !! whether there is one
+      integer, parameter :: n_steps = 8
+      real(dp) :: outward(size(direction)), cosine
+      integer :: step
+
+      do step = 1, n_steps
+         call self%measure(position, direction, gap, is_met, cosine, outward=outward)
+         if (.not. is_met .or. norm2(direction + outward) <= computed_rounding) exit
+         direction = -outward
+      end do
+   end subroutine obstacle_approach
 
    !> The crossing where a line entered the obstacle that its start is in, or where it enters next; 0 if there is none.
    !> There is none either for a start on a surface that the line leaves there: the points behind the start lie inside.

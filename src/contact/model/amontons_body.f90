@@ -11,10 +11,11 @@ module amontons_body
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t, share_parts
    use amontons_contact_set, only: contact_t, tie_t
-   use amontons_contact_zone, only: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, new_contact_zone, &
-      recompute_pairs, segments_again
+   use amontons_contact_zone, only: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, new_carrier_zone, &
+      new_contact_zone, recompute_pairs, segments_again
    use amontons_distributed, only: n_ranks, new_distributed_condenser
-   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
+   use amontons_dense, only: cholesky_factor, cholesky_inverse
+   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium, numerical_failure
    use amontons_frame, only: new_frame
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
    use amontons_kinds, only: dp, int64
@@ -94,7 +95,15 @@ module amontons_body
       real(dp), allocatable :: common_motions(:, :)
          !! combinations of these motions that no contact point notices (motions, any) [-]
       logical :: is_motion_strained = .false. !! whether a free motion strains bonded pieces or meets supports a little
-      type(contact_zone_t) :: zone !! the contact points
+      type(contact_zone_t) :: zone !! the contact points; where they slide far, at their present places
+      type(contact_zone_t) :: carrier
+         !! the points that the body is condensed to: the contact points, or the nodes of sets that slide far
+      logical :: slides_far = .false. !! whether the contact points slide far
+      type(contact_zone_t), allocatable :: zone_at_rest !! the contact points at rest, where they slide far
+      integer, allocatable :: contact_node(:) !! the nodes of contact sets, where they slide far
+      real(dp), allocatable :: flexibility(:, :)
+         !! inverse of S on the carriers, where the points slide far; of a body with free motions that of S and a multiple
+         !! of their squares (carrier rows, carrier rows) [L/F]
       type(free_boundary_t) :: free_boundary !! the boundary beyond the ends of the contact sets
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(mortar_pair_t), allocatable :: ties(:) !! the surfaces that are bonded
@@ -114,6 +123,7 @@ module amontons_body
       procedure :: driven_field => body_driven_field
       procedure :: driven_forces => body_driven_forces
       procedure :: internal_forces => body_internal_forces
+      procedure :: rest => body_rest
    end type body_t
 
    !> Estimate of time and memory that the condensation of a body takes.
@@ -176,8 +186,10 @@ contains
       joined%mesh%node = body%partner(mesh%node)
       call new_contact_zone(body%zone, joined, contacts, error, tied)
       if (allocated(error)) return
-      call new_free_boundary(body%free_boundary, body%meshed_body_t, contacts, body%zone, body%ties)
-      call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
+      body%slides_far = any(contacts%slides_far())
+      call new_free_boundary(body%free_boundary, body%meshed_body_t, pack(contacts, .not. body%slides_far), body%zone, &
+         body%ties)
+      call recompute_pairs(body%checked_rows, body%gap_change, body%zone, body%slides_far)
       where (abs(body%gap_change) <= rounding*maxval(abs(mesh%coordinates))) body%gap_change = 0.0_dp
       call body%tie_rows%begin(nothing, 1 + body%zone%n_tangents)
       call body%checked_tie_rows%begin(nothing, 1 + body%zone%n_tangents)
@@ -189,12 +201,25 @@ contains
          call body%checked_tie_rows%add(points%rows)
       end do
       associate (zone => body%zone)
-         call new_pair_substitution(substitution, body%ties, zone%pairs, zone%rows%picked(zone%mean_point), &
-            zone%frame(:, :, zone%mean_point), body%constraints, mesh%coordinates, error)
+         if (body%slides_far) then
+            call new_carrier_zone(body%carrier, body%contact_node, zone, body%constraints, mesh%coordinates)
+            call new_pair_substitution(substitution, body%ties, zone%pairs(:0), zone%rows%picked(nothing), &
+               zone%frame(:, :, nothing), body%constraints, mesh%coordinates, error)
+         else
+            call new_pair_substitution(substitution, body%ties, zone%pairs, zone%rows%picked(zone%mean_point), &
+               zone%frame(:, :, zone%mean_point), body%constraints, mesh%coordinates, error)
+         end if
       end associate
       if (allocated(error)) return
-      call share_parts(body%zone%rows, body%partner, joined_area)
-      call let_guided_slaves_slip(body%zone, body%constraints, substitution)
+      if (body%slides_far) then
+         call check_carriers(body, contacts, error)
+         if (allocated(error)) return
+         body%zone_at_rest = body%zone
+      else
+         call share_parts(body%zone%rows, body%partner, joined_area)
+         call let_guided_slaves_slip(body%zone, body%constraints, substitution)
+         body%carrier = body%zone
+      end if
       call set_motions(body)
       call number_unknowns(body, substitution, error)
       if (allocated(error)) return
@@ -247,6 +272,37 @@ contains
          is_strained(k) = is_strained(k) .or. any(abs(body%tie_rows%displacement(moved)) > negligible)
       end do
    end function strained_motions
+
+   !> Refuses sets that slide far and contain nodes that move with others: those of rigid sets and slaves of ties.
+   subroutine check_carriers(body, contacts, error)
+      type(body_t), intent(in) :: body !! the body, its carriers found
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(error_t), allocatable, intent(out) :: error !! there is such a node
+      integer :: i, k
+
+      i = findloc(contacts%slides_far(), .false., dim=1)
+      k = findloc(contacts%pairing%is_pair() .and. size(body%mesh%coordinates, 1) == 3, .true., dim=1)
+      if (i > 0) then
+         call new_error(error, input_refused, contacts(i)%origin//"sliding must be 'finite' for all contact sets, or "// &
+            'for none')
+      else if (k > 0) then
+         call new_error(error, input_refused, contacts(k)%origin//"sliding = 'finite' of pairs of solids is not "// &
+            'possible yet')
+      else if (body%materials%is_twisted()) then
+         call new_error(error, input_refused, contacts(1)%origin//"sliding = 'finite' does not go with twist")
+      end if
+      if (allocated(error)) return
+      do i = 1, body%carrier%n_points
+         associate (node => body%carrier%node(i))
+            if (body%constraints%rigid_of(node) == 0 .and. &
+               .not. any([(any(body%ties(k)%slave%side(:size(body%ties(k)%slave%side, 1) - 1, :) == node), &
+               k=1, size(body%ties))])) cycle
+            call new_error(error, input_refused, contacts(1)%origin//"sliding = 'finite': the node at "// &
+               place_text(body%mesh%coordinates(:, node))//' moves with a rigid set or tie, too; keep the sets apart')
+            return
+         end associate
+      end do
+   end subroutine check_carriers
 
    !> Lists the contact sets, supports and ties whose forces on the body are reported, by name.
    pure subroutine name_forces(list, supports, contacts, ties, error)
@@ -477,7 +533,7 @@ contains
       integer :: i
 
       body%lockable = pack([(i, i=1, size(body%driven))], body%driven%lock_time < huge(1.0_dp))
-      own = body%zone%own_nodes(substitution)
+      own = body%carrier%own_nodes(substitution)
       allocate (leads(0))
       do i = 1, size(body%lockable)
          associate (driven => body%driven(body%lockable(i)))
@@ -522,11 +578,11 @@ contains
       integer :: first, i, k, last, n
 
       call find_motions(body%motions, body, body%constraints, body%springs)
-      call find_rigid_modes(body%rigid_modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.false.)
+      call find_rigid_modes(body%rigid_modes, body%carrier, body%motions, body%mesh%coordinates, is_mated=.false.)
       body%common_motions = resting_motions(body%rigid_modes)
       is_strained = strained_motions(body)
       body%is_motion_strained = any(is_strained)
-      allocate (travel(body%zone%n_rows, size(is_strained)))
+      allocate (travel(body%carrier%n_rows, size(is_strained)))
       last = 0
       n = 0
       do i = 1, size(body%motions)
@@ -605,14 +661,14 @@ contains
          call new_distributed_condenser(condenser, is_held, body%mesh, body%materials, body%springs, &
             body%constraints, body%dof_map, error)
          if (allocated(error)) return
-         call new_distributed_condensation(body%condensation, condenser, is_held, body%zone, body%constraints, &
+         call new_distributed_condensation(body%condensation, condenser, is_held, body%carrier, body%constraints, &
             body%dof_map, error)
       else
          call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, &
             body%constraints, body%dof_map, error)
          if (allocated(error)) return
          call timings%begin(phase_factorize)
-         call new_condensation(body%condensation, stiffness, options, is_held, body%zone, body%constraints, &
+         call new_condensation(body%condensation, stiffness, options, is_held, body%carrier, body%constraints, &
             body%dof_map, error)
       end if
       if (allocated(error)) call explain_refusal(body, error)
@@ -635,7 +691,7 @@ contains
       call new_contact_problem(problem, body%condensation%matrix)
       if (allocated(body%condensation%softness)) problem%softness = body%condensation%softness
       ! Free motions cause no strain: their product with S is the rounding error of the condensation of stiff bodies.
-      allocate (force(body%zone%n_rows))
+      allocate (force(body%carrier%n_rows))
       ! The products of all pieces are summed.
       most_motions = maxval(body%motions%n_motions)
       do i = 1, min(most_motions, size(body%travel, 2))
@@ -644,7 +700,30 @@ contains
          if (any(abs(motion) > 0.0_dp)) problem%rounding = max(problem%rounding, maxval(abs(force)) &
             /maxval(abs(motion)))
       end do
+      if (body%slides_far) call set_flexibility(body, problem%matrix%stiffness%values, error)
    end subroutine pose_body
+
+   !> Inverts S on the carriers.
+   subroutine set_flexibility(body, stiffness, error)
+      type(body_t), intent(inout) :: body !! the body; gains its flexibility
+      real(dp), intent(in) :: stiffness(:, :) !! S (carrier rows, carrier rows) [F/L]
+      type(error_t), allocatable, intent(out) :: error !! S is not positive definite beside the free motions
+      real(dp) :: mean
+      integer :: i, info
+
+      body%flexibility = stiffness
+      mean = sum([(stiffness(i, i), i=1, size(stiffness, 1))])/max(1, size(stiffness, 1))
+      do i = 1, size(stiffness, 1)
+         body%flexibility(:, i) = body%flexibility(:, i) + mean*matmul(body%travel, body%travel(i, :))
+      end do
+      call cholesky_factor(body%flexibility, info)
+      if (info /= 0) then
+         call new_error(error, numerical_failure, 'the condensed stiffness of the contact nodes is not positive '// &
+            'definite: neither supports nor contact points hold the body')
+         return
+      end if
+      call cholesky_inverse(body%flexibility)
+   end subroutine set_flexibility
 
    !> The displacements of the contact unknowns under the free motions that leave all contact points at rest (n_schur,
    !> any) [-].
@@ -658,8 +737,8 @@ contains
 
       ! The unknown of a node may be the displacement of its point, or the jump of a tie.
       is_at_rest = .false.
-      is_at_rest(body%zone%rows%node(body%zone%rows%start(body%zone%mean_point))) = .true.
-      pairs = [body%ties, body%zone%pairs]
+      is_at_rest(body%carrier%rows%node(body%carrier%rows%start(body%carrier%mean_point))) = .true.
+      pairs = [body%ties, body%carrier%pairs]
       do i = 1, size(pairs)
          if (pairs(i)%is_set() .and. .not. allocated(pairs(i)%cells)) is_at_rest(pairs(i)%node) = .true.
       end do
@@ -698,9 +777,16 @@ contains
       associate (n => body%dof_map%n_dofs)
          is_distributed = body%dof_map%n_schur < n .and. (options%factorization == 'distributed' .or. &
             (options%factorization == 'auto' .and. n_ranks > 1 .and. n > least_unknowns .and. &
-            .not. may_suit_band(n, options%form, body%zone)))
+            .not. may_suit_band(n, options%form, body%carrier)))
       end associate
    end function is_distributed
+
+   !> Puts contact points that slide far back where they are at rest.
+   pure subroutine body_rest(self)
+      class(body_t), intent(inout) :: self !! the body
+
+      self%zone = self%zone_at_rest
+   end subroutine body_rest
 
    !> Nodal forces of the stresses and springs under a displacement field, K u - f_th, computed without assembling K.
    subroutine body_internal_forces(self, forces, displacement, element_load)
@@ -725,8 +811,13 @@ contains
       real(dp), allocatable :: amounts(:, :)
       integer :: i
 
+      if (body%slides_far .and. body%is_motion_strained) then
+         call new_error(error, input_refused, "sliding = 'finite': a free motion strains bonded pieces or meets "// &
+            'supports a little; hold the body by supports')
+         return
+      end if
       may_touch = .false.
-      may_touch(body%zone%rows%node) = .true.
+      may_touch(body%carrier%rows%node) = .true.
       do i = 1, size(body%motions)
          associate (motions => body%motions(i))
             if (motions%n_free == 0 .or. any(may_touch(motions%node))) cycle
@@ -788,7 +879,7 @@ contains
       call check_held(body, error)
       if (allocated(error)) return
       call timings%begin(phase_assemble)
-      estimate%n_rows = body%zone%n_rows
+      estimate%n_rows = body%carrier%n_rows
       if (is_distributed(body, options)) then
          estimate%n_ranks = n_ranks
          call timings%begin(phase_factorize)
@@ -800,7 +891,7 @@ contains
             body%constraints, body%dof_map, error)
          if (allocated(error)) return
          call timings%begin(phase_factorize)
-         call find_band_order(stiffness, options%form, body%zone, order)
+         call find_band_order(stiffness, options%form, body%carrier, order)
          if (allocated(order)) then
             estimate%half_width = half_bandwidth(stiffness, order)
             estimate%n_rows = stiffness%n
@@ -816,8 +907,8 @@ contains
       estimate%n_entries = condenser%n_factor_entries
       ! The contact problem: dense matrices, of contact points, of a step for Newton's method, of nodes behind cells;
       ! of a band the matrix and its factor, both twice, and the factors of a step; and the rows of its points in files.
-      n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*real(body%zone%n_rows, dp)**2
-      if (.not. all(body%zone%is_own)) n_entries = n_entries + real(body%dof_map%n_schur + body%zone%n_rows, dp)**2
+      n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*real(body%carrier%n_rows, dp)**2
+      if (.not. all(body%carrier%is_own)) n_entries = n_entries + real(body%dof_map%n_schur + body%carrier%n_rows, dp)**2
       if (estimate%half_width > 0) n_entries = n_entries + 7.0_dp*(estimate%half_width + 1)*estimate%n_rows
       estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb() &
          + (8.0e-6_dp*n_entries + of_point*body%zone%n_points))

@@ -155,7 +155,7 @@ contains
          end do
          certificate%force_scale = max(sums%largest_load, sums%largest_reaction, sums%largest_contact, least_scale)
          call check_points(certificate, body, load_case, displacement, force)
-         call check_pairs(certificate, body, contact, force)
+         call check_pairs(certificate, body, displacement, contact, force)
          call check_ties(certificate, body, tied, contact)
          if (any(body%ties%lead > 0)) then
             work = -dot_product(tied, body%tie_rows%displacement(displacement))
@@ -343,7 +343,8 @@ contains
       associate (moved => displacement(:size(body%mesh%coordinates, 1), :))
          outside = body%free_boundary%overlap(load_case%contacts, load_case%lies_outside, body%mesh%coordinates, moved)
          certificate%penetration_outside = relative(outside%depth, certificate%length_scale)
-         between = corner_overlap(body, load_case%contacts, body%zone, load_case%extra_gap, moved, unresolved)
+         if (.not. body%slides_far) between = corner_overlap(body, load_case%contacts, body%zone, &
+            load_case%extra_gap, moved, unresolved)
          certificate%penetration_between = relative(between%depth, certificate%length_scale)
       end associate
       associate (normal => force(:m), tangential => force(m + 1:), &
@@ -403,12 +404,13 @@ contains
 
    !> Checks that the forces on the two bodies of every pair cancel, and their moments except for the couple that they
    !> form across a gap. In a body of revolution the forces around the axis have no moment in the plane.
-   pure subroutine check_pairs(certificate, body, contact, force)
+   pure subroutine check_pairs(certificate, body, displacement, contact, force)
       type(certificate_t), intent(inout) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(in) :: contact(:, :) !! nodal contact forces (components, n_nodes) [F]
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) (n_rows) [F]
-      real(dp), allocatable :: on_nodes(:, :)
+      real(dp), allocatable :: on_nodes(:, :), place(:, :)
       real(dp) :: of_pairs(size(force)), moment, reach(body%zone%n_points)
       logical :: is_paired(body%zone%n_points)
       integer :: p
@@ -429,7 +431,10 @@ contains
       if (body%is_axisymmetric) return
       ! In space the weight is an area.
       reach = 0.25_dp*merge(body%zone%weight, sqrt(body%zone%weight), allocated(body%zone%line))
-      call check_moment(moment, certificate, body, body%checked_rows, body%zone%set, reach, of_pairs, on_nodes)
+      ! Of what slides far the moments are those at the moved places.
+      place = body%mesh%coordinates
+      if (body%slides_far) place = place + displacement(:size(place, 1), :)
+      call check_moment(moment, certificate, place, body%checked_rows, body%zone%set, reach, of_pairs, on_nodes)
       certificate%pair_moment = moment
    end subroutine check_pairs
 
@@ -451,19 +456,19 @@ contains
       contact = contact + on_nodes
       if (body%is_axisymmetric) return
       set = [([(size(body%zone%pairs) + i, p=1, size(body%ties(i)%node))], i=1, size(body%ties))]
-      call check_moment(moment, certificate, body, body%checked_tie_rows, set, spread(0.0_dp, 1, size(set)), tied, &
-         on_nodes)
+      call check_moment(moment, certificate, body%mesh%coordinates, body%checked_tie_rows, set, &
+         spread(0.0_dp, 1, size(set)), tied, on_nodes)
       certificate%tie_moment = moment
    end subroutine check_ties
 
    !> Checks that the sum of the moments of the forces on both sides of some points is the couple of these forces across
    !> the gaps.
-   pure subroutine check_moment(violation, certificate, body, rows, set, reach, force, on_nodes)
+   pure subroutine check_moment(violation, certificate, x, rows, set, reach, force, on_nodes)
       real(dp), intent(out) :: violation
          !! missing moment over the magnitudes of the forces times half the body's size [-]
       type(certificate_t), intent(inout) :: certificate
          !! gains the couple of the points of each set, and the magnitude of their moments about their middle
-      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: x(:, :) !! places of the nodes (n_dim, n_nodes) [L]
       type(contact_rows_t), intent(in) :: rows !! the rows of the points, integrated a second time
       integer, intent(in) :: set(:) !! which set each point belongs to (n)
       real(dp), intent(in) :: reach(:) !! mean distance of the stress of each point from its middle (n) [L]
@@ -471,36 +476,34 @@ contains
       real(dp), intent(in) :: on_nodes(:, :)
          !! these forces on the nodes, made from the rows of the solution (components, n_nodes) [F]
       type(contact_rows_t) :: lever
-      real(dp) :: jump(size(force)), magnitude(size(set)), place(size(body%mesh%coordinates, 1), size(set)), &
+      real(dp) :: jump(size(force)), magnitude(size(set)), place(size(x, 1), size(set)), &
          middle(size(place, 1)), total(size(place, 1))
       integer :: i, k, n
 
       n = size(set)
       magnitude = hypot(force(:n), tangential_norm(force(n + 1:), n))
-      associate (x => body%mesh%coordinates)
-         place = reshape([(x(:, rows%node(rows%start(i))), i=1, n)], shape(place))
-         if (size(place, 1) == 3) then
-            total = moment_of(x, on_nodes)
-            do i = minval(set), maxval(set)
-               associate (of_set => moment_of(x, rows%forces(merge(force, 0.0_dp, [(set == i, k=1, 3)]), size(x, 2))))
-                  certificate%couple(i) = certificate%couple(i) + norm2(of_set)
-                  total = total - of_set
-               end associate
-            end do
-            violation = norm2(total)
-            jump = 0.0_dp
-         else
-            lever = rows
-            do i = 1, size(rows%node)
-               lever%block(:, 1, i) = -turned(rows%block(:, 2, i))
-               lever%block(:, 2, i) = turned(rows%block(:, 1, i))
-            end do
-            jump = lever%displacement(x)
-            jump(:n) = jump(:n)*force(n + 1:) - jump(n + 1:)*force(:n)
-            violation = abs(sum(x(1, :)*on_nodes(2, :) - x(2, :)*on_nodes(1, :)) + sum(jump(:n)))
-         end if
-         violation = relative(violation, sum(abs(on_nodes))*0.5_dp*maxval(maxval(x, dim=2) - minval(x, dim=2)))
-      end associate
+      place = reshape([(x(:, rows%node(rows%start(i))), i=1, n)], shape(place))
+      if (size(place, 1) == 3) then
+         total = moment_of(x, on_nodes)
+         do i = minval(set), maxval(set)
+            associate (of_set => moment_of(x, rows%forces(merge(force, 0.0_dp, [(set == i, k=1, 3)]), size(x, 2))))
+               certificate%couple(i) = certificate%couple(i) + norm2(of_set)
+               total = total - of_set
+            end associate
+         end do
+         violation = norm2(total)
+         jump = 0.0_dp
+      else
+         lever = rows
+         do i = 1, size(rows%node)
+            lever%block(:, 1, i) = -turned(rows%block(:, 2, i))
+            lever%block(:, 2, i) = turned(rows%block(:, 1, i))
+         end do
+         jump = lever%displacement(x)
+         jump(:n) = jump(:n)*force(n + 1:) - jump(n + 1:)*force(:n)
+         violation = abs(sum(x(1, :)*on_nodes(2, :) - x(2, :)*on_nodes(1, :)) + sum(jump(:n)))
+      end if
+      violation = relative(violation, sum(abs(on_nodes))*0.5_dp*maxval(maxval(x, dim=2) - minval(x, dim=2)))
       do i = minval(set), maxval(set)
          certificate%couple(i) = certificate%couple(i) + sum(jump(:n), mask=set == i)
          middle = matmul(place, merge(magnitude, 0.0_dp, set == i))/max(tiny(1.0_dp), sum(magnitude, mask=set == i))

@@ -79,6 +79,7 @@ module amontons_load_family
    contains
       procedure :: displacement => obstacle_motion_displacement
       procedure :: is_at_rest => obstacle_motion_is_at_rest
+      procedure :: origin => obstacle_motion_origin
    end type obstacle_motion_t
 
    !> The part to which each load, each prescribed displacement and the friction of each contact set belong.
@@ -129,7 +130,12 @@ module amontons_load_family
       real(dp), allocatable :: gap(:) !! distance d to the obstacle where it is now, with what was worn (m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle (m)
       real(dp), allocatable :: motion(:) !! displacement of the obstacle along the tangent (n_rows - m) [L]
+      real(dp), allocatable :: way(:)
+         !! way of the obstacle in the step along normals and tangents; allocated where points slide far (n_rows) [L]
       real(dp), allocatable :: anchor(:) !! tangential displacements that slips are counted from (n_rows - m) [L]
+      real(dp), allocatable :: added_gap(:)
+         !! addition to the gaps, given by the caller of a step; after the step with the wear before it; not allocated
+         !! without (m) [L]
    end type acting_t
 
 contains
@@ -328,6 +334,7 @@ contains
       end do
       do i = 1, size(contacts)
          if (any(load_case%is_in_reach .and. zone%set == i) .or. all(zone%set /= i)) cycle
+         if (contacts(i)%slides_far()) cycle
          hint = ''
          if (contacts(i)%obstacle%kind == 'polyline') hint = ', its free side on the left of the way along its points'
          if (contacts(i)%obstacle%kind == 'surface') hint = ', its triangles counterclockwise seen from the free side'
@@ -342,10 +349,10 @@ contains
    pure function prescribed_slip(body, load_case) result(slip)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
-      real(dp) :: slip(body%zone%n_rows - body%zone%n_points), prescribed(body%zone%n_rows)
+      real(dp) :: slip(body%carrier%n_rows - body%carrier%n_points), prescribed(body%carrier%n_rows)
 
-      prescribed = body%zone%rows%displacement(load_case%prescribed)
-      slip = body%zone%free_slips(prescribed(body%zone%n_points + 1:))
+      prescribed = body%carrier%rows%displacement(load_case%prescribed)
+      slip = body%carrier%free_slips(prescribed(body%carrier%n_points + 1:))
    end function prescribed_slip
 
    !> Computes the displacements of all nodes from the solution of the contact problem.
@@ -373,7 +380,7 @@ contains
       real(dp), allocatable :: unknowns(:, :), v(:, :)
       integer :: k, m
 
-      m = body%zone%n_points
+      m = body%carrier%n_points
       v = solution
       do k = 1, size(load_cases)
          v(m + 1:, k) = v(m + 1:, k) - prescribed_slip(body, load_cases(k))
@@ -438,7 +445,7 @@ contains
       deallocate (family%base%force, family%base%prescribed)
       if (allocated(load_case%element_load)) deallocate (family%base%element_load)
       allocate (family%parts(parting%n_parts))
-      allocate (family%load(body%zone%n_rows, parting%n_parts), family%largest(parting%n_parts))
+      allocate (family%load(body%carrier%n_rows, parting%n_parts), family%largest(parting%n_parts))
       allocate (family%prescribed(body%zone%n_points, parting%n_parts), family%has_force(parting%n_parts), &
          family%has_displacement(parting%n_parts), family%uncanceled(2, parting%n_parts))
       allocate (is_loaded, mold=body%constraints%is_free)
@@ -519,7 +526,7 @@ contains
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       real(dp), allocatable :: forces(:, :), internal(:, :)
-      real(dp) :: slip(body%zone%n_rows - body%zone%n_points), from_slip(body%zone%n_rows)
+      real(dp) :: slip(body%carrier%n_rows - body%carrier%n_points), from_slip(body%carrier%n_rows)
       integer :: k
 
       do k = 1, size(self%parts)
@@ -540,7 +547,7 @@ contains
             slip = prescribed_slip(body, part)
          end associate
          if (.not. any(abs(slip) > 0.0_dp)) cycle
-         call problem%matrix%multiply_stiffness([0.0_dp*self%prescribed(:, k), slip], from_slip)
+         call problem%matrix%multiply_stiffness([spread(0.0_dp, 1, body%carrier%n_points), slip], from_slip)
          self%load(:, k) = self%load(:, k) + from_slip
       end do
    end subroutine load_family_condense
@@ -571,6 +578,7 @@ contains
 
       if (all(motions%is_at_rest())) return
       acting%motions = motions
+      if (body%slides_far) return
       call set_obstacles(moved, body%zone, body%mesh, self%contacts_of(acting), error)
       if (allocated(error)) return
       acting%gap = moved%gap
@@ -618,6 +626,8 @@ contains
       problem%load = matmul(self%load, acting%factor)
       problem%prescribed = dot_product(self%largest, abs(acting%factor))
       problem%uncanceled = matmul(self%uncanceled, abs(acting%factor))
+      ! The law of contact that slides far is that at moved places.
+      if (body%slides_far) return
       problem%gap = self%gap_of(acting)
       problem%anchor = body%zone%free_slips(acting%anchor)
       associate (is_fixed => all(body%zone%is_fixed, dim=1))
@@ -694,9 +704,16 @@ contains
 
       load_case = self%base
       ! No error: the member was made with the same obstacles.
-      if (allocated(acting%motions)) call set_obstacles(load_case, body%zone, body%mesh, self%contacts_of(acting), &
-         error)
-      load_case%extra_gap = load_case%extra_gap + (acting%gap - load_case%gap)
+      if (allocated(acting%motions) .and. .not. body%slides_far) call set_obstacles(load_case, body%zone, body%mesh, &
+         self%contacts_of(acting), error)
+      if (body%slides_far) then
+         load_case%contacts = self%contacts_of(acting)
+         load_case%is_in_reach = acting%is_in_reach
+         load_case%cosine = 1.0_dp
+         if (allocated(acting%added_gap)) load_case%extra_gap = load_case%extra_gap + acting%added_gap
+      else
+         load_case%extra_gap = load_case%extra_gap + (acting%gap - load_case%gap)
+      end if
       load_case%gap = acting%gap
       if (size(self%parts) > 1) load_case%factor = acting%factor(self%parting%load)
       load_case%uncanceled = matmul(self%uncanceled, abs(acting%factor))
@@ -717,6 +734,7 @@ contains
             + acting%factor(k)*self%parts(k)%element_load
       end do
       load_case%free_gap = self%gap_of(acting)
+      if (body%slides_far) load_case%free_gap = acting%gap
       load_case%friction = self%friction_of(acting)
       load_case%anchor = acting%anchor
       load_case%obstacle_motion = acting%motion
@@ -749,5 +767,18 @@ contains
          displacement(:2) = displacement(:2) + sin(self%turn)*turned(arm) - 2.0_dp*sin(0.5_dp*self%turn)**2*arm
       end associate
    end function obstacle_motion_displacement
+
+   !> Where a point of the obstacle was at rest (n_dim) [L].
+   pure function obstacle_motion_origin(self, position) result(origin)
+      class(obstacle_motion_t), intent(in) :: self !! the motion
+      real(dp), intent(in) :: position(:) !! where it is now (n_dim) [L]
+      real(dp) :: origin(size(position))
+      type(obstacle_motion_t) :: back
+
+      back%turn = -self%turn
+      back%pivot = self%pivot
+      origin = position - self%shift(:size(position))
+      origin = origin + back%displacement(origin)
+   end function obstacle_motion_origin
 
 end module amontons_load_family

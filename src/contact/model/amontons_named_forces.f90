@@ -17,7 +17,7 @@ module amontons_named_forces
    implicit none (type, external)
    private
 
-   public :: find_responses, force_form_t, force_test_t, force_values, named_quantities, named_tests, &
+   public :: contact_values, find_responses, force_form_t, force_test_t, force_values, named_quantities, named_tests, &
       new_force_form, set_named_values
 
    !> Components of a force: along the normal and the tangent of a contact line, along x, y and z, the moment about the
@@ -275,6 +275,25 @@ contains
       end do
    end function contact_factors
 
+   !> The parts of contact sets in all forces by name, from the contact forces at the present places of the points.
+   pure function contact_values(body, force) result(values)
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
+      real(dp), allocatable :: values(:)
+      integer, allocatable :: components(:, :)
+      integer :: k
+
+      components = components_of(body)
+      allocate (values(size(components, 2) + 2*size(body%driven)), source=0.0_dp)
+      do k = 1, size(components, 2)
+         associate (named => body%named(components(1, k)))
+            if (named%kind == of_contact) values(k) = dot_product(force, contact_factors(body, named%member, &
+               components(2, k), rigid_motion(components(2, k), body%mesh%coordinates, &
+               size(body%constraints%is_free, 1))))
+         end associate
+      end do
+   end function contact_values
+
    !> The values of all forces by name, in the order of their names.
    pure function force_values(body, reaction, displacement, force, driven) result(values)
       type(body_t), intent(in) :: body !! the body
@@ -342,11 +361,12 @@ contains
       real(dp), allocatable :: forces(:, :)
       integer :: i, j
 
-      allocate (form%of_part(size(tests), size(fields, 3)), form%of_displacement(body%zone%n_rows, size(tests)), &
-         form%of_contact(body%zone%n_rows, size(tests)), source=0.0_dp)
+      allocate (form%of_part(size(tests), size(fields, 3)), form%of_displacement(body%carrier%n_rows, size(tests)), &
+         form%of_contact(body%carrier%n_rows, size(tests)), source=0.0_dp)
       do i = 1, size(tests)
          associate (test => tests(i))
-            if (allocated(test%contact)) form%of_contact(:, i) = test%contact
+            ! Where points slide far their forces are no fixed sums of those on the carriers: `contact_values`.
+            if (allocated(test%contact) .and. .not. body%slides_far) form%of_contact(:, i) = test%contact
             if (.not. (allocated(test%held) .or. allocated(test%pulled))) cycle
             forces = 0.0_dp*fields(:, :, 1)
             if (allocated(test%held)) then
@@ -355,7 +375,7 @@ contains
                   form%of_part(i, j) = -sum(test%held*loads(:, :, j))
                   if (test%driven > 0) form%of_part(i, j) = form%of_part(i, j) + parts(j)%driven(test%driven)
                end do
-               form%of_contact(:, i) = form%of_contact(:, i) + body%zone%rows%displacement(test%held)
+               form%of_contact(:, i) = form%of_contact(:, i) + body%carrier%rows%displacement(test%held)
             end if
             if (allocated(test%pulled)) forces = forces + test%pulled
             do j = 1, size(fields, 3)

@@ -26,6 +26,9 @@ module amontons_contact_solution
    type :: contact_solution_t
       real(dp), allocatable :: force(:) !! lambda = (lambda_N; lambda_T) (n) [F]
       real(dp), allocatable :: displacement(:) !! v = (u_N; u_T) (n) [L]
+      real(dp), allocatable :: carried(:, :)
+         !! displacements and contact forces of the nodes that the body is condensed to; allocated where bodies slide far
+         !! (carrier rows, 2) [L], [F]
       integer, allocatable :: status(:) !! status of each point, see `amontons_friction_law` (m)
       logical :: is_converged = .false. !! whether the residual is at most the tolerance
       logical :: is_at_rest = .false. !! whether the method stopped because its forces no longer changed
@@ -35,6 +38,7 @@ module amontons_contact_solution
       real(dp) :: force_scale = 0.0_dp !! the force that it is a share of, where it was measured [F]
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
+      procedure :: of_body => contact_solution_of_body
       procedure :: prepend => contact_solution_prepend
       procedure :: is_stagnant => contact_solution_is_stagnant
       procedure :: measure => contact_solution_measure
@@ -97,6 +101,22 @@ contains
       allocate (solution%status(n_points), source=open_point)
       allocate (solution%history(0))
    end subroutine new_contact_solution
+
+   !> Displacements or contact forces that the body is condensed to: those of the points, or of the nodes of sets that
+   !> slide far (carrier rows) [L], [F].
+   pure function contact_solution_of_body(self, kind) result(values)
+      class(contact_solution_t), intent(in) :: self !! the solution
+      integer, intent(in) :: kind !! 1 for displacements, 2 for forces
+      real(dp), allocatable :: values(:)
+
+      if (allocated(self%carried)) then
+         values = self%carried(:, kind)
+      else if (kind == 1) then
+         values = self%displacement
+      else
+         values = self%force
+      end if
+   end function contact_solution_of_body
 
    !> Begins a new record; forces and displacements remain as the starting point.
    pure subroutine contact_solution_reset(self)

@@ -23,12 +23,13 @@ module amontons_history_model
    use amontons_load_family, only: acting_t, add_part, condensed_force, load_case_t, obstacle_motion_t, one_part, &
       parting_t
    use amontons_load_solver, only: load_solver_t, new_load_solver, residual_of_strains
-   use amontons_named_forces, only: find_responses, force_form_t, force_test_t, named_quantities, named_tests, &
+   use amontons_named_forces, only: contact_values, find_responses, force_form_t, force_test_t, named_quantities, named_tests, &
       new_force_form
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
       outcome_solved
    use amontons_rounding, only: exceeds, sum_rounding
+   use amontons_sliding, only: take_places, unbalanced_share
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_text, only: place_text, scientific, to_text
    implicit none (type, external)
@@ -82,8 +83,6 @@ module amontons_history_model
    type, extends(acting_t) :: instant_t
       real(dp) :: time = 0.0_dp !! the time [-]
       real(dp), allocatable :: numbers(:) !! the numbers of all changes, in the deck's order
-      real(dp), allocatable :: added_gap(:)
-         !! addition to the gaps, given by the caller of a step; after the step with the wear before it (m) [L]
    end type instant_t
 
    !> Number of numbers of a saved state in addition to those of its contact points and locks.
@@ -137,7 +136,7 @@ contains
       real(dp), allocatable :: forces(:, :), loads(:, :, :), fields(:, :), internal(:, :)
       integer :: j, m, n
 
-      m = body%zone%n_rows
+      m = body%carrier%n_rows
       n = size(parts)
       form%stiffness = body%condensation%condenser%matrix_norm
       allocate (form%strain(n, n), form%load(n, n), form%strain_row(m, n), form%load_row(m, n), form%prescribed(m, n))
@@ -154,7 +153,7 @@ contains
          form%strain_row(:, j) = condensed_force(body, forces)
          form%load_row(:, j) = condensed_force(body, loads(:, :, j))
          if (any(abs(parts(j)%prescribed) > 0.0_dp)) tests(j)%held = parts(j)%prescribed
-         form%prescribed(:, j) = body%zone%rows%displacement(parts(j)%prescribed)
+         form%prescribed(:, j) = body%carrier%rows%displacement(parts(j)%prescribed)
       end do
       call transposed_product(fields, internal, form%strain)
       call new_force_form(form%forces, body, tests, parts, form%field, loads)
@@ -257,7 +256,7 @@ contains
       ! Finds what the displacements of the probes are in terms of the contact displacements.
       if (allocated(model%probe_row)) deallocate (model%probe_row)
       associate (n => size(unit, 1))
-         allocate (model%probe_row(body%zone%n_rows, n*size(model%probe)))
+         allocate (model%probe_row(body%carrier%n_rows, n*size(model%probe)))
          do i = 1, size(model%probe)
             do component = 1, n
                unit = 0.0_dp
@@ -411,6 +410,7 @@ contains
 
       m = body%zone%n_points
       call new_contact_solution(state%solution, m, body%zone%n_tangents)
+      if (body%slides_far) allocate (state%solution%carried(body%carrier%n_rows, 2), source=0.0_dp)
       call model%solver%loads%at_rest(state%instant)
       state%instant%factor = 0.0_dp
       state%slip = 0.0_dp*state%instant%anchor
@@ -428,7 +428,7 @@ contains
    subroutine take_step(after, model, body, problem, before, instant)
       type(step_state_t), intent(out) :: after !! the state at the end of the step
       type(history_model_t), intent(in) :: model !! the model
-      type(body_t), intent(in) :: body !! the body
+      type(body_t), intent(inout) :: body !! the body; points that slide far are left at their places
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; left as that of the step
       type(step_state_t), intent(in) :: before !! the state at the beginning of the step
       type(instant_t), intent(in) :: instant !! loads, obstacles and friction at its end
@@ -447,7 +447,7 @@ contains
       after%instant%gap = instant%gap + after%instant%added_gap
       call model%solver%loads%pose(body, after%instant, problem)
       after%solution = before%solution
-      is_held = allocated(before%instant%numbers)
+      is_held = allocated(before%instant%numbers) .and. .not. body%slides_far
       if (is_held) is_held = .not. any(abs(instant%numbers - before%instant%numbers) > 0.0_dp)
       if (is_held) then
          ! Nothing moves. Rounding would decide on the statuses of points on a bound of the law: all statuses are kept.
@@ -460,6 +460,9 @@ contains
          after%solution%status = before%solution%status
          after%outcome = outcome_solved
          after%reason = ''
+      else if (body%slides_far) then
+         call model%solver%slide(body, after%instant, problem, after%solution, after%outcome, after%reason, &
+            after%error_kind, before%solution, before%instant)
       else
          ! Under loads the previous slip is repeated, so that the method starts from the previous statuses.
          if (any(abs(problem%load) > 0.0_dp)) then
@@ -471,7 +474,7 @@ contains
       if (any(after%outcome == [outcome_no_equilibrium, outcome_numbers])) return
       after%slip = after%solution%displacement(m + 1:) - after%instant%anchor
       after%accumulated_slip = before%accumulated_slip + tangential_norm(after%slip, m)
-      call complete(after, model, problem)
+      call complete(after, model, body, problem)
       after%carried_force = max(before%carried_force, sum(after%solution%force(:m)) &
          + sum(tangential_norm(after%solution%force(m + 1:), m)))
       after%carried_energy = max(before%carried_energy, after%strain_energy)
@@ -479,17 +482,21 @@ contains
    end subroutine take_step
 
    !> Computes the numbers of a state that follow from its forces and displacements.
-   pure subroutine complete(state, model, problem)
+   pure subroutine complete(state, model, body, problem)
       type(step_state_t), intent(inout) :: state !! the state
       type(history_model_t), intent(in) :: model !! the model
+      type(body_t), intent(in) :: body !! the body
       type(contact_problem_t), intent(in) :: problem !! the contact problem of its step
       real(dp), allocatable :: forces(:)
 
-      associate (factor => state%instant%factor, v => state%solution%displacement, force => state%solution%force)
-         state%bound = problem%bound(force(:problem%n_points))
+      associate (factor => state%instant%factor, v => state%solution%of_body(1), force => state%solution%of_body(2), &
+         normal => state%solution%force(:size(state%solution%status)), loads => model%solver%loads)
+         state%bound = loads%base%slip_bound + loads%friction_of(state%instant)*max(0.0_dp, normal)
+         where (all(body%zone%is_fixed, dim=1)) state%bound = 0.0_dp
          forces = model%energies%forces%values(factor, v, force)
          state%reaction = forces(:size(factor))
          state%named = forces(size(factor) + 1:)
+         if (body%slides_far) state%named = state%named + contact_values(body, state%solution%force)
          state%strain_energy = model%energies%strain_energy(problem, factor, problem%strained(v, force))
       end associate
    end subroutine complete
@@ -500,6 +507,7 @@ contains
 
       n_state_numbers = n_single + size(body%lockable) + (n_scalars + n_normals + n_tangentials*body%zone%n_tangents) &
          *body%zone%n_points
+      if (body%slides_far) n_state_numbers = n_state_numbers + body%zone%n_rows + 2*body%carrier%n_rows
    end function n_state_numbers
 
    !> The numbers from which a state is restored, the time first; everything else follows.
@@ -537,6 +545,11 @@ contains
       call archive%pass(state%worn)
       call archive%pass(state%instant%added_gap)
       call archive%pass(state%wear_depth)
+      if (.not. allocated(state%solution%carried)) return
+      call archive%pass(state%instant%gap)
+      call archive%pass(state%instant%motion)
+      call archive%pass(state%solution%carried(:, 1))
+      call archive%pass(state%solution%carried(:, 2))
    end subroutine visit
 
    !> Restores a state from its numbers, to the last bit. It must be in equilibrium with the body: the state of another
@@ -566,16 +579,25 @@ contains
       call new_contact_solution(state%solution, m, body%zone%n_tangents)
       allocate (state%lock(size(body%lockable)), state%accumulated_slip(m), state%dissipation(m), state%worn(m), &
          state%wear_depth(m))
+      if (body%slides_far) allocate (state%solution%carried(body%carrier%n_rows, 2))
       archive = archive_t(numbers, is_read=.true.)
       call visit(state, archive)
-      state%instant%gap = state%instant%gap + state%instant%added_gap
+      if (body%slides_far) then
+         call take_places(body, model%solver%loads, state%instant, state%solution)
+      else
+         state%instant%gap = state%instant%gap + state%instant%added_gap
+      end if
       call model%set_locks(body, problem, state, error)
       if (allocated(error)) return
       state%solution%history = spread(state%solution%residual, 1, state%solution%n_iterations)
       state%solution%is_converged = .true.
       state%slip = state%solution%displacement(m + 1:) - state%instant%anchor
       call model%solver%loads%pose(body, state%instant, problem)
-      violation = residual_of_strains(body, problem, state%solution, state%carried_force)
+      if (body%slides_far) then
+         violation = unbalanced_share(problem, state%solution)
+      else
+         violation = residual_of_strains(body, problem, state%solution, state%carried_force)
+      end if
       if (.not. violation <= max(least_limit, certificate_limit(max(model%solver%method%tolerance, &
          state%solution%residual)))) call new_error(error, input_refused, 'it is not in equilibrium with the body '// &
          'and what acts on it at the time '//to_text(state%instant%time)//' (violation '//scientific(violation)// &
@@ -584,11 +606,11 @@ contains
       state%outcome = outcome_solved
       ! For a held point on a bound of the law the status does not follow from the forces.
       associate (force => state%solution%force, status => state%solution%status)
-         status = merge(max(open_point, min(merge(slip_minus, slip_point, &
+         if (.not. body%slides_far) status = merge(max(open_point, min(merge(slip_minus, slip_point, &
             body%zone%n_tangents == 1), status)), problem%status(state%solution%displacement, force), &
             .not. exceeds(problem%bound(force(:m)), tangential_norm(force(m + 1:), m)))
       end associate
-      call complete(state, model, problem)
+      call complete(state, model, body, problem)
    end subroutine restore_step_state
 
    !> Adds works and dissipation of a step, and measures the error of its energy balance.
@@ -606,69 +628,85 @@ contains
       ! contact points. It is the share of the forces before that unloading leaves, too, and of energies its square.
       ! Of the violation of the identities: the energy of a rigid motion, which S has by rounding, is none.
       real(dp), parameter :: limit = 1.0e-9_dp
-      real(dp), dimension(problem%n_points) :: approach, taken, missing, way
+      real(dp), dimension(size(after%bound)) :: approach, taken, missing, way, pressed
       real(dp) :: slip(size(after%slip))
-      real(dp), dimension(problem%matrix%n) :: mean_force, v_change, strained, whole_change, moved, stiffness
+      real(dp), dimension(problem%matrix%n) :: force, mean_force, v, v_change, strained, whole_change, moved, stiffness
       real(dp), dimension(size(after%reaction)) :: change
       real(dp) :: load_work, support_work, obstacle_work, energies, end_work, own_energy, energy_change, size_of_terms
-      integer :: m
+      integer :: m, n
 
-      m = problem%n_points
+      m = size(after%bound)
+      n = problem%n_points
+      force = after%solution%of_body(2)
+      v = after%solution%of_body(1)
       change = after%instant%factor - before%instant%factor
-      v_change = after%solution%displacement - before%solution%displacement
+      mean_force = 0.0_dp*force
+      v_change = v
+      if (allocated(after%solution%carried) .eqv. allocated(before%solution%carried)) then
+         mean_force = before%solution%of_body(2)
+         v_change = v - before%solution%of_body(1)
+      end if
+      strained = problem%strained(v_change, force - mean_force)
+      mean_force = 0.5_dp*(force + mean_force)
       moved = matmul(model%energies%prescribed, change)
-      mean_force = 0.5_dp*(after%solution%force + before%solution%force)
-      strained = problem%strained(v_change, after%solution%force - before%solution%force)
+      ! The normal displacements of the contact problem exclude prescribed parts; the tangential ones include them.
+      whole_change = v_change
+      whole_change(:n) = v_change(:n) + moved(:n)
       load_work = model%energies%load_work(0.5_dp*(after%instant%factor + before%instant%factor), change, strained)
       support_work = dot_product(0.5_dp*(after%reaction + before%reaction), change)
-      ! An obstacle that loses or meets a point does no work on the jump of the gap.
-      approach = merge(after%instant%gap - before%instant%gap, 0.0_dp, &
-         after%instant%is_in_reach .and. before%instant%is_in_reach)
-      obstacle_work = -dot_product(mean_force, [approach, after%instant%motion - before%instant%motion])
       taken = 0.5_dp*(after%bound + before%bound)*tangential_norm(after%slip, m)
-      approach = approach - moved(:m) - v_change(:m)
-      ! The remainder of the contact work: the points' shares of the energy error.
-      missing = mean_force(m + 1:2*m)*after%slip(:m) - taken - mean_force(:m)*approach
-      if (problem%matrix%n_tangents == 2) missing = missing + mean_force(2*m + 1:)*after%slip(m + 1:)
+      pressed = 0.5_dp*(after%solution%force(:m) + before%solution%force(:m))
+      slip = after%slip
+      if (allocated(after%solution%carried)) then
+         obstacle_work = -0.5_dp*dot_product(after%solution%force + before%solution%force, after%instant%way)
+         missing = 0.0_dp
+         missing(:min(1, m)) = dot_product(mean_force, whole_change) + obstacle_work - sum(taken)
+         after%closing_loss = dot_product(after%solution%force(:m), merge(before%instant%gap &
+            - before%solution%displacement(:m), 0.0_dp, before%instant%is_in_reach))
+      else
+         ! An obstacle that loses or meets a point does no work on the jump of the gap.
+         approach = merge(after%instant%gap - before%instant%gap, 0.0_dp, &
+            after%instant%is_in_reach .and. before%instant%is_in_reach)
+         obstacle_work = -dot_product(mean_force, [approach, after%instant%motion - before%instant%motion])
+         approach = approach - whole_change(:m)
+         ! The remainder of the contact work: the points' shares of the energy error.
+         missing = mean_force(m + 1:2*m)*after%slip(:m) - taken - mean_force(:m)*approach
+         if (problem%matrix%n_tangents == 2) missing = missing + mean_force(2*m + 1:)*after%slip(m + 1:)
+         ! A point that a support holds along its tangent wears as well where the obstacle slides along it.
+         where (model%is_slip_fixed) slip = moved(m + 1:) - (after%instant%motion - before%instant%motion)
+         after%closing_loss = dot_product(after%solution%force(:m), merge(before%instant%gap, 0.0_dp, &
+            before%instant%is_in_reach) - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
+            - before%solution%displacement(:m))
+      end if
       after%step_dissipation = sum(taken)
       after%dissipation = before%dissipation + taken
-      ! A point that a support holds along its tangent wears as well where the obstacle slides along it.
-      slip = after%slip
-      where (model%is_slip_fixed) slip = moved(m + 1:) - (after%instant%motion - before%instant%motion)
       way = tangential_norm(slip, m)
-      after%worn = before%worn + mean_force(:m)*way
-      after%wear_depth = before%wear_depth + model%wear*mean_force(:m)*way
-      if (any(model%wear > 0.0_dp)) then
+      after%worn = before%worn + pressed*way
+      after%wear_depth = before%wear_depth + model%wear*pressed*way
+      if (any(model%wear > 0.0_dp) .and. m == n) then
          stiffness = problem%matrix%augmentation
-         after%wear_feedback = max(0.0_dp, maxval(model%wear*way*stiffness(:m), mask=mean_force(:m) > 0.0_dp))
+         after%wear_feedback = max(0.0_dp, maxval(model%wear*way*stiffness(:m), mask=pressed > 0.0_dp))
       end if
       after%load_work = before%load_work + load_work
       after%support_work = before%support_work + support_work
       after%obstacle_work = before%obstacle_work + obstacle_work
-      after%closing_loss = dot_product(after%solution%force(:m), merge(before%instant%gap, 0.0_dp, &
-         before%instant%is_in_reach) - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
-         - before%solution%displacement(:m))
       ! For a body that moves as a whole the scale is the energy of single points with the same displacement.
       energies = max(sum_rounding*max(after%carried_energy, maxval([problem%matrix%augmentation, 0.0_dp])*max( &
          0.0_dp, maxval(abs(after%solution%displacement)), problem%prescribed)**2), after%step_dissipation, &
          abs(after%strain_energy - before%strain_energy), abs(load_work + support_work + obstacle_work))
       if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies
-      ! Checks the two identities that hold exactly for a step in equilibrium at both ends. The normal displacements of
-      ! the contact problem exclude prescribed parts; the tangential ones include them.
-      whole_change = v_change
-      whole_change(:m) = v_change(:m) + moved(:m)
+      ! Checks the two identities that hold exactly for a step in equilibrium at both ends.
       energy_change = after%strain_energy - before%strain_energy
       own_energy = model%energies%strain_energy(problem, change, strained)
       end_work = model%energies%load_work(after%instant%factor, change, strained) + dot_product(after%reaction, change)
       size_of_terms = max(after%strain_energy, before%strain_energy, rounding_share**2*after%carried_energy, &
-         abs(load_work), abs(support_work), abs(end_work), dot_product(abs(after%solution%force), abs(whole_change)), &
-         max(rounding_share*model%energies%stiffness, problem%rounding/limit)*max(sum(after%solution%displacement**2), &
-         sum(before%solution%displacement**2), problem%prescribed**2), rounding_share*norm2(after%solution%force)*max( &
-         norm2(after%solution%force)/model%energies%stiffness, sqrt(max(0.0_dp, after%strain_energy) &
-         /model%energies%stiffness)))
+         abs(load_work), abs(support_work), abs(end_work), dot_product(abs(force), abs(whole_change)), &
+         max(rounding_share*model%energies%stiffness, problem%rounding/limit)*max(sum(v**2), sum((v - v_change)**2), &
+         problem%prescribed**2), rounding_share*norm2(force)*max(norm2(force)/model%energies%stiffness, &
+         sqrt(max(0.0_dp, after%strain_energy)/model%energies%stiffness)))
       if (.not. size_of_terms > 0.0_dp) return
       after%imbalance = max(abs(load_work + support_work - energy_change - dot_product(mean_force, whole_change)), &
-         abs(end_work - energy_change - own_energy - dot_product(after%solution%force, whole_change)))/size_of_terms
+         abs(end_work - energy_change - own_energy - dot_product(force, whole_change)))/size_of_terms
    end subroutine add_works
 
    !> Slip of the step, in space its length, accumulated slip [L], dissipation [F L], Archard's integral of the pressure

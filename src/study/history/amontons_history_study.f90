@@ -21,6 +21,7 @@ module amontons_history_study
    use amontons_result_warnings, only: add_result_warnings, add_tallied_warnings, end_of_set, find_case_warnings, &
       is_limit_of_model, n_case_warnings, tally_t
    use amontons_rounding, only: input_rounding, sum_rounding
+   use amontons_sliding, only: take_places
    use amontons_solve_case, only: cache_t, certify, condense_case, describe_factor, prepare_case, take_no_equilibrium
    use amontons_study, only: outcome_t, report_answer, report_size, study_monitor_t, study_options_t, study_t
    use amontons_terminal, only: phase_recover, phase_solve, phase_write
@@ -285,7 +286,7 @@ contains
             merge(state%indicator, 0.0_dp, stepping%is_jump), state%wear_feedback], stepping%n_steps)
          peaks = contact_peaks(body, state%solution, state%instant%motion)
          forces = resultants(state%solution%force, m, .not. allocated(body%zone%line))
-         numbers = [peaks%value, forces%value, model%probed(state%instant%factor, state%solution%displacement), &
+         numbers = [peaks%value, forces%value, model%probed(state%instant%factor, state%solution%of_body(1)), &
             state%named]
          if (size(self%extremes) == 0) self%extremes = spread(numbers, 2, 2)
          self%extremes(:, 1) = min(self%extremes(:, 1), numbers)
@@ -408,7 +409,7 @@ contains
    !> Certifies the present step and writes its grids if asked for. If contact reaches the end of a set, penetration
    !> beyond it is checked.
    subroutine certify_step(cache, model, files, result, error)
-      type(cache_t), intent(in) :: cache !! the body
+      type(cache_t), intent(inout) :: cache !! the body; points that slide far are put at their places
       type(history_model_t), intent(in) :: model !! the history
       class(history_files_t), intent(inout) :: files !! gain the grids
       type(history_result_t), intent(inout) :: result !! gains the violation
@@ -429,7 +430,7 @@ contains
    !> Makes the result of a step: displacements of all nodes, and their certificate.
    subroutine new_step_result(step, cache, model, stepping, error)
       type(result_t), intent(inout) :: step !! gains load case, solution, displacements and certificate
-      type(cache_t), intent(in) :: cache !! the body
+      type(cache_t), intent(inout) :: cache !! the body; points that slide far are put at their places
       type(history_model_t), intent(in) :: model !! the history
       type(time_stepping_t), intent(in) :: stepping !! the time stepping at the end of the step
       type(error_t), allocatable, intent(out) :: error !! the numbers are not finite
@@ -437,6 +438,7 @@ contains
       call model%solver%loads%load_case(cache%body, stepping%state%instant, step%load_case)
       step%load_case%carried_force = stepping%state%carried_force
       step%solution = stepping%state%solution
+      if (cache%body%slides_far) call take_places(cache%body, model%solver%loads, stepping%state%instant, step%solution)
       step%slip_record = stepping%point_record(cache%body)
       call certify(step, cache%body, error)
    end subroutine new_step_result

@@ -1,0 +1,515 @@
+!> Contact that slides far: rows, normals, gaps and arms are those at the moved places.
+!>
+!> The body is condensed to the nodes of its contact sets once, and its flexibility F there does not change. A step
+!> searches for its places: at the places of an iterate the rows w = C v of the contact points are made anew, the
+!> compliance A = C F C^T is gathered, and the contact problem on these rows is solved by the same methods as any other;
+!> its displacements are the next places. They settle as fast as pressures are small against the modulus: the error of
+!> an iterate shrinks by about this ratio, so that no derivative of the rows is needed.
+!>
+!> Slips are differences of the places relative to each other, in the frame of the point at the end of the step and in
+!> that at its beginning: a common motion of both bodies is no slip, and nothing but places is handed over to the next
+!> step when partners change.
+module amontons_sliding
+   use amontons_body, only: body_t
+   use amontons_contact_operator, only: contact_operator_t, new_stiffness_operator
+   use amontons_contact_problem, only: contact_problem_t, new_contact_problem
+   use amontons_contact_set, only: contact_t
+   use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
+   use amontons_contact_zone, only: contact_zone_t, recompute_pairs
+   use amontons_dense, only: cholesky_factor, cholesky_inverse, cholesky_solve, symmetric_multiply
+   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
+   use amontons_kinds, only: dp
+   use amontons_load_family, only: acting_t, load_case_t, load_family_t, obstacle_motion_t
+   use amontons_methods, only: solve_components
+   use amontons_text, only: place_text
+   implicit none (type, external)
+   private
+
+   public :: slide, take_displacement, take_places, unbalanced_share
+
+   !> Largest number of searches for the places of a step.
+   integer, parameter :: n_searches = 30
+
+   !> Gap of a point that faces nothing, over the body's size [-].
+   real(dp), parameter :: out_of_reach = 1.0e3_dp
+
+   !> Number of searches that choose which hats are slivers; later ones keep the choice, which could alternate.
+   integer, parameter :: n_choices = 3
+
+   !> Change of the places from which on they count as found, over the largest displacement by contact forces [-].
+   real(dp), parameter :: settled = 1.0e-9_dp
+
+   !> The nodes of the contact sets at a time.
+   type :: placement_t
+      real(dp), allocatable :: base(:, :)
+         !! what supports prescribe, 0 at nodes of no contact set (components, n_nodes) [L]
+      real(dp), allocatable :: v(:) !! displacements of the carriers beside it (carrier rows) [L]
+      real(dp), allocatable :: moved(:, :) !! displacements of the nodes, 0 at others (components, n_nodes) [L]
+      real(dp), allocatable :: place(:, :) !! their places (n_dim, n_nodes) [L]
+   contains
+      procedure :: set => placement_set
+      procedure :: set_base => placement_set_base
+   end type placement_t
+
+   !> The rows C of the points within reach, on the displacements of the carriers.
+   type :: near_rows_t
+      integer, allocatable :: point(:) !! these points (near)
+      integer, allocatable :: start(:) !! first entry of each row, and one beyond the last (rows + 1)
+      integer, allocatable :: column(:) !! the row of the carrier (entries)
+      real(dp), allocatable :: value(:) !! its coefficient (entries) [-]
+      real(dp), allocatable :: base(:) !! what supports prescribe of it (rows) [L]
+      logical, allocatable :: is_fixed(:) !! whether supports bear what acts along it (rows)
+   contains
+      procedure :: multiply => near_rows_multiply
+   end type near_rows_t
+
+contains
+
+   !> Finds places and contact forces of a member. What acts on the body is in the posed problem on its carriers.
+   subroutine slide(body, loads, method, acting, problem, solution, error, before, acted)
+      type(body_t), intent(inout) :: body !! the body, condensed; its contact points are left at the places found
+      type(load_family_t), intent(in) :: loads !! the family of loads
+      class(contact_method_t), intent(in) :: method !! the contact method
+      class(acting_t), intent(inout) :: acting !! the member; gains gaps, anchors and ways of obstacles at these places
+      type(contact_problem_t), intent(in) :: problem !! the problem on the carriers, for its load
+      type(contact_solution_t), intent(inout) :: solution !! its forces are the start; the result on return
+      type(error_t), allocatable, intent(out) :: error !! contact does not hold the body, or memory ran out
+      type(contact_solution_t), intent(in), optional :: before !! the end of the step before; at rest if absent
+      class(acting_t), intent(in), optional :: acted !! what acted then
+      type(placement_t) :: now, last
+      type(contact_solution_t) :: found
+      type(contact_t), allocatable :: contacts(:)
+      type(near_rows_t) :: rows
+      real(dp), allocatable :: force(:), old_frame(:, :, :), extra(:)
+      real(dp) :: gap(body%zone%n_points), reach, change, strain
+      logical :: is_near(body%zone%n_points)
+      integer :: m, search
+
+      m = body%zone%n_points
+      allocate (force(body%carrier%n_rows), source=0.0_dp)
+      last%v = force
+      contacts = loads%base%contacts
+      if (present(acted)) contacts = loads%contacts_of(acted)
+      if (present(before)) then
+         if (allocated(before%carried)) then
+            last%v = before%carried(:, 1)
+            force = before%carried(:, 2)
+         end if
+      end if
+      call last%set_base(body, loads, acted)
+      call last%set(body)
+      call body%zone%move(contacts, last%place, gap, is_near, .false.)
+      old_frame = body%zone%frame
+      contacts = loads%contacts_of(acting)
+      extra = loads%base%extra_gap
+      if (allocated(acting%added_gap)) extra = extra + acting%added_gap
+      ! A point that lies farther away is near in the next search if it moved there in this one.
+      reach = maxval(body%zone%weight)
+      if (.not. allocated(body%zone%line)) reach = sqrt(reach)
+      reach = 2.0_dp*reach
+      ! The search begins with the forces of the step before.
+      call now%set_base(body, loads, acting)
+      now%v = last%v
+      call symmetric_multiply(body%flexibility, problem%load - force, now%v)
+      now%v = now%v + matmul(body%travel, matmul(last%v - now%v, body%travel))
+      found = solution
+      call solution%reset()
+      do search = 1, n_searches
+         call now%set(body)
+         call body%zone%move(contacts, now%place, gap, is_near, search > n_choices)
+         gap = gap + extra
+         call set_anchors(acting, body%zone, body%mesh%coordinates, last, old_frame, acted)
+         call new_near_rows(rows, body, now, is_near .and. gap <= reach)
+         call solve_near(found, now, force, rows, body, loads, method, acting, problem, gap, change, strain, error)
+         if (allocated(error)) return
+         call found%prepend(solution)
+         solution = found
+         if (.not. found%is_converged .or. change <= settled*strain) exit
+      end do
+      solution%is_converged = solution%is_converged .and. change <= settled*strain
+      call now%set(body)
+      solution%displacement = body%zone%rows%displacement(now%moved)
+      acting%gap = merge(gap + solution%displacement(:m), out_of_reach*body%size, is_near)
+      acting%is_in_reach = is_near
+      solution%carried = reshape([now%v, force], [size(force), 2])
+      if (solution%is_converged) call check_ends(body, contacts, solution, error)
+   end subroutine slide
+
+   !> Refuses contact that reaches an end of a set beyond which the boundary goes on, or a corner of a master, where
+   !> contact would be on both its sides.
+   pure subroutine check_ends(body, contacts, solution, error)
+      type(body_t), intent(in) :: body !! the body, its contact points at their places
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      type(error_t), allocatable, intent(out) :: error !! there is such a contact
+      real(dp) :: forces(size(body%constraints%is_free, 1), body%mesh%n_nodes)
+      integer :: i, set
+
+      forces = body%zone%rows%forces(solution%force, body%mesh%n_nodes)
+      do set = 1, size(contacts)
+         if (.not. body%zone%pairs(set)%is_set()) cycle
+         associate (pair => body%zone%pairs(set))
+            do i = 1, size(pair%end_node)
+               if (.not. any(abs(forces(:, pair%end_node(i))) > 0.0_dp)) cycle
+               call new_error(error, input_refused, contacts(set)%origin//'contact reaches the end of its set at the '// &
+                  'node '//place_text(body%mesh%coordinates(:, pair%end_node(i)))//', beyond which the boundary '// &
+                  'goes on: make '//pair%label//' longer there')
+               return
+            end do
+            do i = 1, size(pair%sharp_node)
+               if (.not. any(abs(forces(:, pair%sharp_node(i))) > 0.0_dp)) cycle
+               call new_error(error, input_refused, contacts(set)%origin//"'"//pair%set//"' meets the corner of '"// &
+                  pair%against//"' at the node "//place_text(body%mesh%coordinates(:, pair%sharp_node(i)))// &
+                  ': exchange set and against, or round the corner')
+               return
+            end do
+         end associate
+      end do
+   end subroutine check_ends
+
+   !> Puts the contact points of a body where a solution has them.
+   subroutine take_places(body, loads, acting, solution)
+      type(body_t), intent(inout) :: body !! the body
+      type(load_family_t), intent(in) :: loads !! the family of loads
+      class(acting_t), intent(in) :: acting !! the member
+      type(contact_solution_t), intent(in) :: solution !! its solution
+      type(placement_t) :: now
+      real(dp) :: gap(body%zone%n_points)
+      logical :: is_near(body%zone%n_points)
+
+      call now%set_base(body, loads, acting)
+      now%v = solution%carried(:, 1)
+      call now%set(body)
+      call body%zone%move(loads%contacts_of(acting), now%place, gap, is_near, .false.)
+      call recompute_pairs(body%checked_rows, body%gap_change, body%zone, slides_far=.true.)
+   end subroutine take_places
+
+   !> Puts the contact points of a case where its displacements have them, with the gaps and anchors there.
+   subroutine take_displacement(load_case, body, displacement)
+      type(load_case_t), intent(inout) :: load_case !! the load case; gains gaps and anchors
+      type(body_t), intent(inout) :: body !! the body, its points at rest
+      real(dp), intent(in) :: displacement(:, :) !! displacements of all nodes (components, n_nodes) [L]
+      type(placement_t) :: rest
+      type(acting_t) :: acting
+      real(dp), allocatable :: frame(:, :, :), normal(:)
+      real(dp) :: gap(body%zone%n_points)
+
+      frame = body%zone%frame
+      rest%place = body%mesh%coordinates
+      rest%moved = 0.0_dp*displacement
+      call body%zone%move(load_case%contacts, rest%place + displacement(:size(rest%place, 1), :), gap, &
+         load_case%is_in_reach, .false.)
+      call recompute_pairs(body%checked_rows, body%gap_change, body%zone, slides_far=.true.)
+      acting%anchor = load_case%anchor
+      acting%motion = load_case%obstacle_motion
+      call set_anchors(acting, body%zone, body%mesh%coordinates, rest, frame)
+      load_case%anchor = acting%anchor
+      load_case%obstacle_motion = acting%motion
+      normal = body%zone%rows%displacement(displacement)
+      load_case%gap = merge(gap + load_case%extra_gap + normal(:size(gap)), out_of_reach*body%size, &
+         load_case%is_in_reach)
+      load_case%free_gap = load_case%gap
+      load_case%cosine = 1.0_dp
+   end subroutine take_displacement
+
+   !> What contact forces and displacements of the carriers leave of the load, |q - S v - f|, over these [-].
+   pure real(dp) function unbalanced_share(problem, solution) result(share)
+      type(contact_problem_t), intent(in) :: problem !! the problem on the carriers, posed
+      type(contact_solution_t), intent(in) :: solution !! the solution
+      real(dp) :: strained(problem%matrix%n)
+
+      call problem%matrix%multiply_stiffness(solution%carried(:, 1), strained)
+      associate (q => problem%load, f => solution%carried(:, 2))
+         share = maxval(abs(q - strained - f))/max(tiny(1.0_dp), maxval(abs(q)), maxval(abs(f)))
+      end associate
+   end function unbalanced_share
+
+   !> Sets what supports prescribe at the nodes of the contact sets. Tangential displacements of carriers include it.
+   pure subroutine placement_set_base(self, body, loads, acting)
+      class(placement_t), intent(inout) :: self !! the nodes
+      type(body_t), intent(in) :: body !! the body
+      type(load_family_t), intent(in) :: loads !! the family of loads
+      class(acting_t), intent(in), optional :: acting !! the member; nothing is prescribed if it is absent
+      integer :: i, k
+
+      allocate (self%base(size(body%constraints%is_free, 1), body%mesh%n_nodes), source=0.0_dp)
+      self%moved = self%base
+      self%place = body%mesh%coordinates
+      if (.not. present(acting)) return
+      do i = 1, size(body%contact_node)
+         associate (node => body%contact_node(i))
+            do k = 1, size(loads%parts)
+               self%base(:, node) = self%base(:, node) + acting%factor(k)*loads%parts(k)%prescribed(:, node)
+            end do
+         end associate
+      end do
+      do i = 1, body%carrier%n_points
+         associate (frame => body%carrier%frame(:, 2:, i), base => self%base(:, body%carrier%node(i)), &
+            is_fixed => body%carrier%is_fixed(:, i))
+            base = base - matmul(frame, merge(0.0_dp, matmul(base, frame), is_fixed))
+         end associate
+      end do
+   end subroutine placement_set_base
+
+   !> Sets displacements and places from those of the carriers.
+   pure subroutine placement_set(self, body)
+      class(placement_t), intent(inout) :: self !! the nodes
+      type(body_t), intent(in) :: body !! the body
+      integer :: i
+
+      associate (carrier => body%carrier, x => body%mesh%coordinates)
+         self%moved(:, body%contact_node) = self%base(:, body%contact_node)
+         do i = 1, carrier%n_points
+            associate (node => carrier%node(i))
+               self%moved(:, node) = self%moved(:, node) + matmul(carrier%frame(:, :, i), self%v(i::carrier%n_points))
+            end associate
+         end do
+         self%place(:, body%contact_node) = x(:, body%contact_node) + self%moved(:size(x, 1), body%contact_node)
+      end associate
+   end subroutine placement_set
+
+   !> Sets the tangential displacements that slips count from: relative places at the beginning of the step, each along
+   !> the tangents there, so that a common motion is no slip; and the ways of rigid obstacles since rest.
+   pure subroutine set_anchors(acting, zone, coordinates, last, old_frame, acted)
+      class(acting_t), intent(inout) :: acting !! the member; gains both
+      type(contact_zone_t), intent(in) :: zone !! the contact points at their present places
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
+      type(placement_t), intent(in) :: last !! the nodes at the beginning of the step
+      real(dp), intent(in) :: old_frame(:, :, :) !! the frames of the points there (n_dim, n_dim, m) [-]
+      class(acting_t), intent(in), optional :: acted !! what acted then
+      real(dp), dimension(size(coordinates, 1)) :: origin, way, anchor, motion
+      type(obstacle_motion_t) :: moved, before
+      integer :: i, k, p
+
+      acting%way = spread(0.0_dp, 1, zone%n_rows)
+      do p = 1, zone%n_points
+         anchor = 0.0_dp
+         motion = 0.0_dp
+         if (.not. zone%pairs(zone%set(p))%is_set()) then
+            before = obstacle_motion_t()
+            if (present(acted)) then
+               if (allocated(acted%motions)) before = acted%motions(zone%set(p))
+            end if
+            moved = before
+            if (allocated(acting%motions)) moved = acting%motions(zone%set(p))
+         end if
+         do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+            associate (node => zone%rows%node(i), block => zone%rows%block(:, :, i))
+               if (zone%pairs(zone%set(p))%is_set()) then
+                  anchor = anchor + dot_product(block(:, 1), zone%frame(:, 1, p)) &
+                     *matmul(last%place(:, node), old_frame(:, :, p)) - matmul(coordinates(:, node), block)
+               else
+                  ! Where the place of the obstacle that the point met was at rest.
+                  origin = before%origin(last%place(:, node))
+                  motion = motion + matmul(moved%displacement(origin), block)
+                  way = moved%displacement(origin) - before%displacement(origin)
+                  anchor = anchor + matmul(last%moved(:, node) + way, block)
+                  acting%way(p::zone%n_points) = acting%way(p::zone%n_points) + matmul(way, block)
+               end if
+            end associate
+         end do
+         do k = 1, zone%n_tangents
+            acting%anchor(p + (k - 1)*zone%n_points) = merge(0.0_dp, anchor(1 + k), zone%is_fixed(k, p))
+            acting%motion(p + (k - 1)*zone%n_points) = motion(1 + k)
+         end do
+      end do
+   end subroutine set_anchors
+
+   !> Makes the rows of some of the points on the displacements of the carriers.
+   pure subroutine new_near_rows(rows, body, now, is_near)
+      type(near_rows_t), intent(out) :: rows !! the rows
+      type(body_t), intent(in) :: body !! the body
+      type(placement_t), intent(in) :: now !! the nodes, for what supports prescribe
+      logical, intent(in) :: is_near(:) !! the points (m)
+      integer :: carrier_of(body%mesh%n_nodes), n, near, r, i, j, k, p
+
+      associate (zone => body%zone, carrier => body%carrier)
+         carrier_of(body%contact_node) = 0
+         carrier_of(carrier%node) = [(i, i=1, carrier%n_points)]
+         rows%point = pack([(p, p=1, zone%n_points)], is_near)
+         near = size(rows%point)
+         allocate (rows%start((1 + zone%n_tangents)*near + 1), source=1)
+         allocate (rows%base(size(rows%start) - 1), source=0.0_dp)
+         allocate (rows%is_fixed(size(rows%base)), source=.false.)
+         n = size(zone%frame, 1)*(1 + zone%n_tangents)*sum(zone%rows%start(rows%point + 1) &
+            - zone%rows%start(rows%point))
+         allocate (rows%column(n), rows%value(n))
+         n = 0
+         do k = 1, 1 + zone%n_tangents
+            do r = 1, near
+               p = rows%point(r)
+               do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
+                  associate (node => zone%rows%node(i), row => zone%rows%block(:, k, i), at => r + (k - 1)*near)
+                     rows%base(at) = rows%base(at) + dot_product(row, now%base(:, node))
+                     if (carrier_of(node) == 0) cycle
+                     do j = 0, carrier%n_tangents
+                        if (j > 0) then
+                           if (carrier%is_fixed(j, carrier_of(node))) cycle
+                        end if
+                        n = n + 1
+                        rows%column(n) = carrier_of(node) + j*carrier%n_points
+                        rows%value(n) = dot_product(row, carrier%frame(:, j + 1, carrier_of(node)))
+                     end do
+                  end associate
+               end do
+               associate (at => r + (k - 1)*near)
+                  rows%start(at + 1) = n + 1
+                  rows%is_fixed(at) = .not. any(abs(rows%value(rows%start(at):n)) > 0.0_dp)
+                  if (k > 1) rows%is_fixed(at) = rows%is_fixed(at) .or. zone%is_fixed(k - 1, p)
+               end associate
+            end do
+         end do
+      end associate
+   end subroutine new_near_rows
+
+   !> C v (rows) [L].
+   pure function near_rows_multiply(self, v) result(product)
+      class(near_rows_t), intent(in) :: self !! the rows
+      real(dp), intent(in) :: v(:) !! displacements of the carriers (carrier rows) [L]
+      real(dp) :: product(size(self%base))
+      integer :: r
+
+      do r = 1, size(product)
+         associate (first => self%start(r), last => self%start(r + 1) - 1)
+            product(r) = dot_product(self%value(first:last), v(self%column(first:last)))
+         end associate
+      end do
+   end function near_rows_multiply
+
+   !> Solves the contact problem of the near points at their present places.
+   !>
+   !> Displacements are w = C (F (q - C^T lambda) + R b), with the free motions R of the body and R^T q = (C R)^T lambda.
+   !> So S w = p - lambda with S = (1 - N) A^-1, p = S C F q + A^-1 G H^-1 R^T q, where A = C F C^T, G = C R, H = G^T A^-1
+   !> G and N = A^-1 G H^-1 G^T; and b = H^-1 G^T (lambda + A^-1 (w - C F q)).
+   subroutine solve_near(found, now, force, rows, body, loads, method, acting, problem, gap, change, strain, error)
+      type(contact_solution_t), intent(inout) :: found !! the forces of all points to start from; the result on return
+      type(placement_t), intent(inout) :: now !! the nodes; gain the displacements of the carriers
+      real(dp), intent(out) :: force(:) !! contact forces on the carriers (carrier rows) [F]
+      type(near_rows_t), intent(in) :: rows !! the rows of the near points
+      type(body_t), intent(in) :: body !! the body
+      type(load_family_t), intent(in) :: loads !! the family of loads
+      class(contact_method_t), intent(in) :: method !! the contact method
+      class(acting_t), intent(in) :: acting !! the member, with its anchors
+      type(contact_problem_t), intent(in) :: problem !! the problem on the carriers, for its load
+      real(dp), intent(in) :: gap(:) !! the gaps at the present places (m) [L]
+      real(dp), intent(out) :: change !! largest change of a displacement of a carrier [L]
+      real(dp), intent(out) :: strain !! largest displacement by contact forces, by loads without them [L]
+      type(error_t), allocatable, intent(out) :: error !! contact does not hold the body, or memory ran out
+      type(contact_operator_t), target :: matrix
+      type(contact_problem_t) :: small
+      type(contact_solution_t) :: near
+      real(dp), allocatable :: flexible(:, :), stiffness(:, :), g(:, :), x(:, :), h(:, :), free(:), w_free(:), &
+         w(:), v(:), b(:), motion(:)
+      integer, allocatable :: places(:)
+      integer :: i, k, m, n, r, info
+
+      m = size(gap)
+      n = size(rows%point)
+      r = size(rows%base)
+      allocate (flexible(size(force), r), stiffness(r, r), free(size(force)), g(r, size(body%travel, 2)))
+      call symmetric_multiply(body%flexibility, problem%load, free)
+      motion = matmul(problem%load, body%travel)
+      do i = 1, r
+         flexible(:, i) = 0.0_dp
+         do k = rows%start(i), rows%start(i + 1) - 1
+            flexible(:, i) = flexible(:, i) + rows%value(k)*body%flexibility(:, rows%column(k))
+         end do
+      end do
+      do i = 1, r
+         stiffness(:, i) = rows%multiply(flexible(:, i))
+      end do
+      do k = 1, size(g, 2)
+         g(:, k) = merge(0.0_dp, rows%multiply(body%travel(:, k)), rows%is_fixed)
+      end do
+      w_free = merge(0.0_dp, rows%multiply(free), rows%is_fixed)
+      w = merge(0.0_dp, rows%multiply(now%v), rows%is_fixed)
+      ! Where supports bear what acts along a row, it has a spring of its own that nothing loads.
+      do i = 1, r
+         if (.not. rows%is_fixed(i)) cycle
+         flexible(:, i) = 0.0_dp
+         stiffness(:, i) = 0.0_dp
+         stiffness(i, :) = 0.0_dp
+         stiffness(i, i) = stiffness(1 + modulo(i - 1, n), 1 + modulo(i - 1, n))
+         if (.not. stiffness(i, i) > 0.0_dp) stiffness(i, i) = 1.0_dp
+      end do
+      call cholesky_factor(stiffness, info)
+      x = g
+      if (info == 0) call cholesky_solve(stiffness, x)
+      h = matmul(transpose(g), x)
+      if (info == 0) call cholesky_factor(h, info)
+      if (info /= 0) then
+         call new_error(error, no_equilibrium, 'the contact points that are near what they may touch do not hold '// &
+            'the body, or depend on each other; let it begin closer, or hold it by supports')
+         return
+      end if
+      call cholesky_inverse(stiffness)
+      b = motion
+      call cholesky_solve(h, b)
+      g = transpose(x)
+      call cholesky_solve(h, g)
+      stiffness = stiffness - matmul(x, g)
+      call new_contact_solution(near, n, body%zone%n_tangents)
+      near%residual = 0.0_dp
+      near%is_converged = .true.
+      places = [(rows%point + k*m, k=0, body%zone%n_tangents)]
+      if (n > 0) then
+         near%displacement = w
+         near%force = found%force(places)
+         near%status = found%status(rows%point)
+         v = matmul(stiffness, w_free) + matmul(motion, g)
+         call new_stiffness_operator(matrix, stiffness, size(body%travel, 2) == 0, body%zone%n_tangents)
+         call new_contact_problem(small, matrix)
+         small%load = v
+         small%gap = gap(rows%point) + w(:n)
+         small%anchor = merge(0.0_dp, acting%anchor(places(n + 1:) - m) - rows%base(n + 1:), rows%is_fixed(n + 1:))
+         v = loads%friction_of(acting)
+         small%friction = v(rows%point)
+         small%slip_bound = [(bound_at(rows%point(i)), i=1, n)]
+         small%uncanceled = problem%uncanceled
+         call near%reset()
+         call solve_components(method, small, near, error)
+         if (allocated(error)) return
+      end if
+      v = matmul(flexible, near%force)
+      strain = maxval(abs(v))
+      if (.not. strain > 0.0_dp) strain = maxval(abs(free))
+      v = free - v + matmul(body%travel, b + matmul(g, near%displacement - w_free))
+      change = maxval(abs(v - now%v))
+      now%v = v
+      force = 0.0_dp
+      do i = 1, r
+         if (rows%is_fixed(i)) cycle
+         do k = rows%start(i), rows%start(i + 1) - 1
+            force(rows%column(k)) = force(rows%column(k)) + rows%value(k)*near%force(i)
+         end do
+      end do
+      call new_contact_solution(found, m, body%zone%n_tangents)
+      found%force(places) = near%force
+      found%status(rows%point) = near%status
+      found%is_converged = near%is_converged
+      found%n_iterations = near%n_iterations
+      found%effort = near%effort
+      found%residual = near%residual
+      found%force_scale = near%force_scale
+      found%history = near%history
+
+   contains
+
+      !> The given slip bound of a point at its present area [F].
+      pure real(dp) function bound_at(point) result(bound)
+         integer, intent(in) :: point !! the point
+         integer :: q
+
+         bound = 0.0_dp
+         associate (quadrature => body%zone%quadrature)
+            do q = quadrature%start(point), quadrature%start(point + 1) - 1
+               bound = bound + quadrature%share(q)*body%zone%area(point) &
+                  *loads%base%contacts(body%zone%set(point))%slip_bound%at(body%zone%position(:, point), &
+                  quadrature%arc_length(q))
+            end do
+         end associate
+      end function bound_at
+
+   end subroutine solve_near
+
+end module amontons_sliding
