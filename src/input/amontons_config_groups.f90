@@ -698,8 +698,8 @@ contains
       call read_surface(visitor, contact%obstacle)
       call visitor%vector(key_t('gap_direction', 'along which gaps are measured and closed, to the obstacle', &
          default="the body's normal", is_nonzero=.true., is_shared=.true.), contact%direction)
-      call visitor%word(key_t('sliding', 'whether normals, gaps and partners stay those at rest, or are those at the'// &
-         ' moved places', default="`'small'`", is_shared=.true.), contact%sliding, sliding_names)
+      call visitor%word(key_t('sliding', 'whether normals, gaps and partners stay those at rest, or are those at'// &
+         ' the moved places', default="`'small'`", is_shared=.true.), contact%sliding, sliding_names)
       call describe_field(visitor, gap_keys, contact%extra_gap)
       ! Describes the keys of the multipliers.
       multipliers = multiplier_names(merge(2, merge(3, 1, is_pair), contact%partition%is_constant))
@@ -749,17 +749,26 @@ contains
             "obstacle = 'surface' needs file = 'FILE.stl'")
          call visitor%only('normal', obstacle%kind /= 'surface', 'an obstacle without a file of triangles')
       end associate
-      call visitor%require(.not. contact%slides_far() .or. .not. (contact%partition%is_constant .or. &
-         visitor%has('gap_direction') .or. contact%pairing%gap == gap_names(2)), 'sliding', &
-         "sliding = 'finite' does not go with constant multipliers, gap_direction or gap = 'touching'")
-      call visitor%require(.not. contact%slides_far() .or. visitor%deck%count_groups('sweep') == 0, 'sliding', &
-         "sliding = 'finite' does not go with &sweep: a history takes the way as steps")
+      call judge_sliding(visitor, contact)
       call visitor%only('cells cell_ends', contact%partition%is_constant, "multipliers = 'constant'")
       if (contact%partition%is_constant) call visitor%state_dimensions(2, 'multipliers', " = 'constant'")
       call visitor%only('wear', visitor%deck%count_groups('history') > 0, 'a deck with &history')
       call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
          'give either cells or cell_ends')
    end subroutine describe_contact
+
+   !> Judges what does not go with contact that slides far.
+   subroutine judge_sliding(visitor, contact)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(contact_t), intent(in) :: contact !! the contact set
+
+      if (.not. contact%slides_far()) return
+      call visitor%require(.not. (contact%partition%is_constant .or. visitor%has('gap_direction') .or. &
+         contact%pairing%gap == gap_names(2)), 'sliding', "sliding = 'finite' does not go with constant "// &
+         "multipliers, gap_direction or gap = 'touching'")
+      call visitor%require(visitor%deck%count_groups('sweep') == 0, 'sliding', &
+         "sliding = 'finite' does not go with &sweep: a history takes the way in steps")
+   end subroutine judge_sliding
 
    !> Reads the triangles of an obstacle.
    subroutine read_surface(visitor, obstacle)

@@ -26,8 +26,8 @@ module amontons_load_solver
       rigid_part, settle
    use amontons_methods, only: method_options_t, new_contact_method, solve_components
    use amontons_newton, only: newton_t
-   use amontons_sliding, only: slide
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
+   use amontons_sliding, only: beginning_t, slide
    use amontons_text, only: short_text
    implicit none (type, external)
    private
@@ -154,7 +154,7 @@ contains
    end subroutine load_solver_solve
 
    !> Solves the contact problem of a member whose points slide far, at their moved places.
-   subroutine load_solver_slide(self, body, acting, problem, solution, outcome, reason, error_kind, before, acted)
+   subroutine load_solver_slide(self, body, acting, problem, solution, outcome, reason, error_kind, before)
       class(load_solver_t), intent(in) :: self !! the solver, its loads condensed
       type(body_t), intent(inout) :: body !! the body, condensed; its contact points are left at the places found
       class(acting_t), intent(inout) :: acting !! the member; gains gaps, anchors and ways of obstacles
@@ -163,13 +163,12 @@ contains
       integer, intent(out) :: outcome !! one of the outcomes of `amontons_result`
       character(:), allocatable, intent(out) :: reason !! why there is no solution; empty for one not converged
       integer, intent(out) :: error_kind !! kind of the error that the reason is
-      type(contact_solution_t), intent(in), optional :: before !! the end of the step before; at rest if absent
-      class(acting_t), intent(in), optional :: acted !! what acted then
+      type(beginning_t), intent(in), optional :: before !! the end of the step before; at rest if absent
       type(error_t), allocatable :: error
 
       reason = ''
       error_kind = numerical_failure
-      call slide(body, self%loads, self%method, acting, problem, solution, error, before, acted)
+      call slide(body, self%loads, self%method, acting, problem, solution, error, before)
       outcome = merge(outcome_solved, outcome_not_converged, solution%is_converged)
       if (.not. allocated(error)) return
       solution%is_converged = .false.

@@ -1,6 +1,6 @@
 !> Warnings on a model before it is solved: a body, its contact sets and pairs, a sweep.
 module amontons_model_warnings
-   use amontons_body, only: body_t, bonds_of, poor_inf_sup
+   use amontons_body, only: body_t, poor_inf_sup
    use amontons_contact_set, only: line_field_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_element_nodes
@@ -13,6 +13,7 @@ module amontons_model_warnings
    use amontons_mesh, only: find_set, number_pieces
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: find_self_crossing
+   use amontons_pair_substitution, only: bonds_of
    use amontons_rounding, only: exceeds, input_rounding
    use amontons_surface, only: surface_t
    use amontons_sweep, only: sweep_t, swept_friction, swept_friction_factor

@@ -398,8 +398,8 @@ contains
       integer :: node, at
 
       largest = maxval(norm2(displacement, dim=1))
-      if (exceeds(largest, large_displacement*body%size) .and. .not. body%slides_far) call warnings%add('displacement of '// &
-         warnings%number(largest, 'L')//', '// &
+      if (exceeds(largest, large_displacement*body%size) .and. .not. body%slides_far) call warnings%add( &
+         'displacement of '//warnings%number(largest, 'L')//', '// &
          percent(largest/body%size)//" of the body's size; the theory is for small displacements (up to "// &
          percent(large_displacement)//'); check units, loads and moduli')
       call find_largest_strain(body%mesh, displacement, strain, at)

@@ -21,11 +21,13 @@ module amontons_sliding
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, load_family_t, obstacle_motion_t
    use amontons_methods, only: solve_components
+   use amontons_moved_zone, only: move_zone
+   use amontons_rounding, only: exceeds
    use amontons_text, only: place_text
    implicit none (type, external)
    private
 
-   public :: slide, take_displacement, take_places, unbalanced_share
+   public :: beginning_t, slide, take_displacement, take_places, unbalanced_share
 
    !> Largest number of searches for the places of a step.
    integer, parameter :: n_searches = 30
@@ -63,10 +65,25 @@ module amontons_sliding
       procedure :: multiply => near_rows_multiply
    end type near_rows_t
 
+   !> Where a step begins: what acted then, and the displacements and contact forces of the carriers.
+   type, extends(acting_t) :: beginning_t
+      real(dp), allocatable :: carried(:, :) !! as of `contact_solution_t` (carrier rows, 2) [L], [F]
+   end type beginning_t
+
+   !> A search for the places of a step.
+   type :: search_t
+      type(placement_t) :: now !! the nodes of the contact sets
+      type(near_rows_t) :: rows !! the rows of the points within reach
+      real(dp), allocatable :: gap(:) !! the gaps of all points there (m) [L]
+      real(dp), allocatable :: force(:) !! contact forces on the carriers (carrier rows) [F]
+      real(dp) :: change = 0.0_dp !! largest change of a displacement of a carrier [L]
+      real(dp) :: strain = 0.0_dp !! largest displacement by contact forces, by loads without them [L]
+   end type search_t
+
 contains
 
    !> Finds places and contact forces of a member. What acts on the body is in the posed problem on its carriers.
-   subroutine slide(body, loads, method, acting, problem, solution, error, before, acted)
+   subroutine slide(body, loads, method, acting, problem, solution, error, before)
       type(body_t), intent(inout) :: body !! the body, condensed; its contact points are left at the places found
       type(load_family_t), intent(in) :: loads !! the family of loads
       class(contact_method_t), intent(in) :: method !! the contact method
@@ -74,31 +91,28 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the problem on the carriers, for its load
       type(contact_solution_t), intent(inout) :: solution !! its forces are the start; the result on return
       type(error_t), allocatable, intent(out) :: error !! contact does not hold the body, or memory ran out
-      type(contact_solution_t), intent(in), optional :: before !! the end of the step before; at rest if absent
-      class(acting_t), intent(in), optional :: acted !! what acted then
-      type(placement_t) :: now, last
+      type(beginning_t), intent(in), optional :: before !! the end of the step before; at rest if absent
+      type(placement_t) :: last
+      type(search_t) :: search
       type(contact_solution_t) :: found
       type(contact_t), allocatable :: contacts(:)
-      type(near_rows_t) :: rows
-      real(dp), allocatable :: force(:), old_frame(:, :, :), extra(:)
-      real(dp) :: gap(body%zone%n_points), reach, change, strain
+      real(dp), allocatable :: old_frame(:, :, :), extra(:)
+      real(dp) :: reach
       logical :: is_near(body%zone%n_points)
-      integer :: m, search
+      integer :: i, m
 
       m = body%zone%n_points
-      allocate (force(body%carrier%n_rows), source=0.0_dp)
-      last%v = force
+      allocate (search%force(body%carrier%n_rows), search%gap(m), source=0.0_dp)
+      last%v = search%force
       contacts = loads%base%contacts
-      if (present(acted)) contacts = loads%contacts_of(acted)
       if (present(before)) then
-         if (allocated(before%carried)) then
-            last%v = before%carried(:, 1)
-            force = before%carried(:, 2)
-         end if
+         contacts = loads%contacts_of(before)
+         last%v = before%carried(:, 1)
+         search%force = before%carried(:, 2)
       end if
-      call last%set_base(body, loads, acted)
+      call last%set_base(body, loads, before)
       call last%set(body)
-      call body%zone%move(contacts, last%place, gap, is_near, .false.)
+      call move_zone(body%zone, contacts, last%place, search%gap, is_near, .false.)
       old_frame = body%zone%frame
       contacts = loads%contacts_of(acting)
       extra = loads%base%extra_gap
@@ -108,30 +122,32 @@ contains
       if (.not. allocated(body%zone%line)) reach = sqrt(reach)
       reach = 2.0_dp*reach
       ! The search begins with the forces of the step before.
-      call now%set_base(body, loads, acting)
-      now%v = last%v
-      call symmetric_multiply(body%flexibility, problem%load - force, now%v)
-      now%v = now%v + matmul(body%travel, matmul(last%v - now%v, body%travel))
-      found = solution
-      call solution%reset()
-      do search = 1, n_searches
+      associate (now => search%now)
+         call now%set_base(body, loads, acting)
+         now%v = last%v
+         call symmetric_multiply(body%flexibility, problem%load - search%force, now%v)
+         now%v = now%v + matmul(body%travel, matmul(last%v - now%v, body%travel))
+         found = solution
+         call solution%reset()
+         do i = 1, n_searches
+            call now%set(body)
+            call move_zone(body%zone, contacts, now%place, search%gap, is_near, i > n_choices)
+            search%gap = search%gap + extra
+            call set_anchors(acting, body%zone, body%mesh%coordinates, last, old_frame, before)
+            call new_near_rows(search%rows, body, now, is_near .and. search%gap <= reach)
+            call solve_near(found, search, body, loads, method, acting, problem, error)
+            if (allocated(error)) return
+            call found%prepend(solution)
+            solution = found
+            if (.not. found%is_converged .or. search%change <= settled*search%strain) exit
+         end do
          call now%set(body)
-         call body%zone%move(contacts, now%place, gap, is_near, search > n_choices)
-         gap = gap + extra
-         call set_anchors(acting, body%zone, body%mesh%coordinates, last, old_frame, acted)
-         call new_near_rows(rows, body, now, is_near .and. gap <= reach)
-         call solve_near(found, now, force, rows, body, loads, method, acting, problem, gap, change, strain, error)
-         if (allocated(error)) return
-         call found%prepend(solution)
-         solution = found
-         if (.not. found%is_converged .or. change <= settled*strain) exit
-      end do
-      solution%is_converged = solution%is_converged .and. change <= settled*strain
-      call now%set(body)
-      solution%displacement = body%zone%rows%displacement(now%moved)
-      acting%gap = merge(gap + solution%displacement(:m), out_of_reach*body%size, is_near)
-      acting%is_in_reach = is_near
-      solution%carried = reshape([now%v, force], [size(force), 2])
+         solution%is_converged = solution%is_converged .and. search%change <= settled*search%strain
+         solution%displacement = body%zone%rows%displacement(now%moved)
+         acting%gap = merge(search%gap + solution%displacement(:m), out_of_reach*body%size, is_near)
+         acting%is_in_reach = is_near
+         solution%carried = reshape([now%v, search%force], [size(now%v), 2])
+      end associate
       if (solution%is_converged) call check_ends(body, contacts, solution, error)
    end subroutine slide
 
@@ -143,7 +159,7 @@ contains
       type(contact_solution_t), intent(in) :: solution !! the solution
       type(error_t), allocatable, intent(out) :: error !! there is such a contact
       real(dp) :: forces(size(body%constraints%is_free, 1), body%mesh%n_nodes)
-      integer :: i, set
+      integer :: i, k, set
 
       forces = body%zone%rows%forces(solution%force, body%mesh%n_nodes)
       do set = 1, size(contacts)
@@ -151,9 +167,13 @@ contains
          associate (pair => body%zone%pairs(set))
             do i = 1, size(pair%end_node)
                if (.not. any(abs(forces(:, pair%end_node(i))) > 0.0_dp)) cycle
-               call new_error(error, input_refused, contacts(set)%origin//'contact reaches the end of its set at the '// &
-                  'node '//place_text(body%mesh%coordinates(:, pair%end_node(i)))//', beyond which the boundary '// &
-                  'goes on: make '//pair%label//' longer there')
+               ! The end of the master matters where sides of the slave go beyond it.
+               k = findloc([(any(pair%master%side(:2, pair%segments(k)%master) == pair%end_node(i)) .and. &
+                  exceeds(1.0_dp, sum(pair%part(:, pair%segments(k)%slave))), k=1, size(pair%segments))], .true., dim=1)
+               if (k == 0 .and. all(pair%node /= pair%end_node(i))) cycle
+               call new_error(error, input_refused, contacts(set)%origin//'contact reaches the end of its set at '// &
+                  'the node '//place_text(body%mesh%coordinates(:, pair%end_node(i)))//', beyond which the '// &
+                  'boundary goes on: make '//pair%label//' longer there')
                return
             end do
             do i = 1, size(pair%sharp_node)
@@ -180,7 +200,7 @@ contains
       call now%set_base(body, loads, acting)
       now%v = solution%carried(:, 1)
       call now%set(body)
-      call body%zone%move(loads%contacts_of(acting), now%place, gap, is_near, .false.)
+      call move_zone(body%zone, loads%contacts_of(acting), now%place, gap, is_near, .false.)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone, slides_far=.true.)
    end subroutine take_places
 
@@ -197,7 +217,7 @@ contains
       frame = body%zone%frame
       rest%place = body%mesh%coordinates
       rest%moved = 0.0_dp*displacement
-      call body%zone%move(load_case%contacts, rest%place + displacement(:size(rest%place, 1), :), gap, &
+      call move_zone(body%zone, load_case%contacts, rest%place + displacement(:size(rest%place, 1), :), gap, &
          load_case%is_in_reach, .false.)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone, slides_far=.true.)
       acting%anchor = load_case%anchor
@@ -270,13 +290,13 @@ contains
 
    !> Sets the tangential displacements that slips count from: relative places at the beginning of the step, each along
    !> the tangents there, so that a common motion is no slip; and the ways of rigid obstacles since rest.
-   pure subroutine set_anchors(acting, zone, coordinates, last, old_frame, acted)
+   pure subroutine set_anchors(acting, zone, coordinates, last, old_frame, begin)
       class(acting_t), intent(inout) :: acting !! the member; gains both
       type(contact_zone_t), intent(in) :: zone !! the contact points at their present places
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
       type(placement_t), intent(in) :: last !! the nodes at the beginning of the step
       real(dp), intent(in) :: old_frame(:, :, :) !! the frames of the points there (n_dim, n_dim, m) [-]
-      class(acting_t), intent(in), optional :: acted !! what acted then
+      type(beginning_t), intent(in), optional :: begin !! what acted then; nothing if it is absent
       real(dp), dimension(size(coordinates, 1)) :: origin, way, anchor, motion
       type(obstacle_motion_t) :: moved, before
       integer :: i, k, p
@@ -287,8 +307,8 @@ contains
          motion = 0.0_dp
          if (.not. zone%pairs(zone%set(p))%is_set()) then
             before = obstacle_motion_t()
-            if (present(acted)) then
-               if (allocated(acted%motions)) before = acted%motions(zone%set(p))
+            if (present(begin)) then
+               if (allocated(begin%motions)) before = begin%motions(zone%set(p))
             end if
             moved = before
             if (allocated(acting%motions)) moved = acting%motions(zone%set(p))
@@ -378,22 +398,17 @@ contains
 
    !> Solves the contact problem of the near points at their present places.
    !>
-   !> Displacements are w = C (F (q - C^T lambda) + R b), with the free motions R of the body and R^T q = (C R)^T lambda.
-   !> So S w = p - lambda with S = (1 - N) A^-1, p = S C F q + A^-1 G H^-1 R^T q, where A = C F C^T, G = C R, H = G^T A^-1
-   !> G and N = A^-1 G H^-1 G^T; and b = H^-1 G^T (lambda + A^-1 (w - C F q)).
-   subroutine solve_near(found, now, force, rows, body, loads, method, acting, problem, gap, change, strain, error)
+   !> Displacements are w = C (F (q - C^T lambda) + R b), with the free motions R of the body and R^T q = (C R)^T
+   !> lambda. So S w = p - lambda with S = (1 - N) A^-1, p = S C F q + A^-1 G H^-1 R^T q, where A = C F C^T, G = C R,
+   !> H = G^T A^-1 G and N = A^-1 G H^-1 G^T; and b = H^-1 (R^T q + G^T A^-1 (w - C F q)).
+   subroutine solve_near(found, search, body, loads, method, acting, problem, error)
       type(contact_solution_t), intent(inout) :: found !! the forces of all points to start from; the result on return
-      type(placement_t), intent(inout) :: now !! the nodes; gain the displacements of the carriers
-      real(dp), intent(out) :: force(:) !! contact forces on the carriers (carrier rows) [F]
-      type(near_rows_t), intent(in) :: rows !! the rows of the near points
+      type(search_t), intent(inout) :: search !! rows and gaps; gains displacements and forces of the carriers
       type(body_t), intent(in) :: body !! the body
       type(load_family_t), intent(in) :: loads !! the family of loads
       class(contact_method_t), intent(in) :: method !! the contact method
       class(acting_t), intent(in) :: acting !! the member, with its anchors
       type(contact_problem_t), intent(in) :: problem !! the problem on the carriers, for its load
-      real(dp), intent(in) :: gap(:) !! the gaps at the present places (m) [L]
-      real(dp), intent(out) :: change !! largest change of a displacement of a carrier [L]
-      real(dp), intent(out) :: strain !! largest displacement by contact forces, by loads without them [L]
       type(error_t), allocatable, intent(out) :: error !! contact does not hold the body, or memory ran out
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: small
@@ -403,95 +418,97 @@ contains
       integer, allocatable :: places(:)
       integer :: i, k, m, n, r, info
 
-      m = size(gap)
-      n = size(rows%point)
-      r = size(rows%base)
-      allocate (flexible(size(force), r), stiffness(r, r), free(size(force)), g(r, size(body%travel, 2)))
-      call symmetric_multiply(body%flexibility, problem%load, free)
-      motion = matmul(problem%load, body%travel)
-      do i = 1, r
-         flexible(:, i) = 0.0_dp
-         do k = rows%start(i), rows%start(i + 1) - 1
-            flexible(:, i) = flexible(:, i) + rows%value(k)*body%flexibility(:, rows%column(k))
+      associate (rows => search%rows, force => search%force)
+         m = size(search%gap)
+         n = size(rows%point)
+         r = size(rows%base)
+         allocate (flexible(size(force), r), stiffness(r, r), free(size(force)), g(r, size(body%travel, 2)))
+         call symmetric_multiply(body%flexibility, problem%load, free)
+         motion = matmul(problem%load, body%travel)
+         do i = 1, r
+            flexible(:, i) = 0.0_dp
+            do k = rows%start(i), rows%start(i + 1) - 1
+               flexible(:, i) = flexible(:, i) + rows%value(k)*body%flexibility(:, rows%column(k))
+            end do
          end do
-      end do
-      do i = 1, r
-         stiffness(:, i) = rows%multiply(flexible(:, i))
-      end do
-      do k = 1, size(g, 2)
-         g(:, k) = merge(0.0_dp, rows%multiply(body%travel(:, k)), rows%is_fixed)
-      end do
-      w_free = merge(0.0_dp, rows%multiply(free), rows%is_fixed)
-      w = merge(0.0_dp, rows%multiply(now%v), rows%is_fixed)
-      ! Where supports bear what acts along a row, it has a spring of its own that nothing loads.
-      do i = 1, r
-         if (.not. rows%is_fixed(i)) cycle
-         flexible(:, i) = 0.0_dp
-         stiffness(:, i) = 0.0_dp
-         stiffness(i, :) = 0.0_dp
-         stiffness(i, i) = stiffness(1 + modulo(i - 1, n), 1 + modulo(i - 1, n))
-         if (.not. stiffness(i, i) > 0.0_dp) stiffness(i, i) = 1.0_dp
-      end do
-      call cholesky_factor(stiffness, info)
-      x = g
-      if (info == 0) call cholesky_solve(stiffness, x)
-      h = matmul(transpose(g), x)
-      if (info == 0) call cholesky_factor(h, info)
-      if (info /= 0) then
-         call new_error(error, no_equilibrium, 'the contact points that are near what they may touch do not hold '// &
-            'the body, or depend on each other; let it begin closer, or hold it by supports')
-         return
-      end if
-      call cholesky_inverse(stiffness)
-      b = motion
-      call cholesky_solve(h, b)
-      g = transpose(x)
-      call cholesky_solve(h, g)
-      stiffness = stiffness - matmul(x, g)
-      call new_contact_solution(near, n, body%zone%n_tangents)
-      near%residual = 0.0_dp
-      near%is_converged = .true.
-      places = [(rows%point + k*m, k=0, body%zone%n_tangents)]
-      if (n > 0) then
-         near%displacement = w
-         near%force = found%force(places)
-         near%status = found%status(rows%point)
-         v = matmul(stiffness, w_free) + matmul(motion, g)
-         call new_stiffness_operator(matrix, stiffness, size(body%travel, 2) == 0, body%zone%n_tangents)
-         call new_contact_problem(small, matrix)
-         small%load = v
-         small%gap = gap(rows%point) + w(:n)
-         small%anchor = merge(0.0_dp, acting%anchor(places(n + 1:) - m) - rows%base(n + 1:), rows%is_fixed(n + 1:))
-         v = loads%friction_of(acting)
-         small%friction = v(rows%point)
-         small%slip_bound = [(bound_at(rows%point(i)), i=1, n)]
-         small%uncanceled = problem%uncanceled
-         call near%reset()
-         call solve_components(method, small, near, error)
-         if (allocated(error)) return
-      end if
-      v = matmul(flexible, near%force)
-      strain = maxval(abs(v))
-      if (.not. strain > 0.0_dp) strain = maxval(abs(free))
-      v = free - v + matmul(body%travel, b + matmul(g, near%displacement - w_free))
-      change = maxval(abs(v - now%v))
-      now%v = v
-      force = 0.0_dp
-      do i = 1, r
-         if (rows%is_fixed(i)) cycle
-         do k = rows%start(i), rows%start(i + 1) - 1
-            force(rows%column(k)) = force(rows%column(k)) + rows%value(k)*near%force(i)
+         do i = 1, r
+            stiffness(:, i) = rows%multiply(flexible(:, i))
          end do
-      end do
-      call new_contact_solution(found, m, body%zone%n_tangents)
-      found%force(places) = near%force
-      found%status(rows%point) = near%status
-      found%is_converged = near%is_converged
-      found%n_iterations = near%n_iterations
-      found%effort = near%effort
-      found%residual = near%residual
-      found%force_scale = near%force_scale
-      found%history = near%history
+         do k = 1, size(g, 2)
+            g(:, k) = merge(0.0_dp, rows%multiply(body%travel(:, k)), rows%is_fixed)
+         end do
+         w_free = merge(0.0_dp, rows%multiply(free), rows%is_fixed)
+         w = merge(0.0_dp, rows%multiply(search%now%v), rows%is_fixed)
+         ! Where supports bear what acts along a row, it has a spring of its own that nothing loads.
+         do i = 1, r
+            if (.not. rows%is_fixed(i)) cycle
+            flexible(:, i) = 0.0_dp
+            stiffness(:, i) = 0.0_dp
+            stiffness(i, :) = 0.0_dp
+            stiffness(i, i) = stiffness(1 + modulo(i - 1, n), 1 + modulo(i - 1, n))
+            if (.not. stiffness(i, i) > 0.0_dp) stiffness(i, i) = 1.0_dp
+         end do
+         call cholesky_factor(stiffness, info)
+         x = g
+         if (info == 0) call cholesky_solve(stiffness, x)
+         h = matmul(transpose(g), x)
+         if (info == 0) call cholesky_factor(h, info)
+         if (info /= 0) then
+            call new_error(error, no_equilibrium, 'the contact points that are near what they may touch do not '// &
+               'hold the body, or depend on each other; let it begin closer, or hold it by supports')
+            return
+         end if
+         call cholesky_inverse(stiffness)
+         b = motion
+         call cholesky_solve(h, b)
+         g = transpose(x)
+         call cholesky_solve(h, g)
+         stiffness = stiffness - matmul(x, g)
+         call new_contact_solution(near, n, body%zone%n_tangents)
+         near%residual = 0.0_dp
+         near%is_converged = .true.
+         places = [(rows%point + k*m, k=0, body%zone%n_tangents)]
+         if (n > 0) then
+            near%displacement = w
+            near%force = found%force(places)
+            near%status = found%status(rows%point)
+            v = matmul(stiffness, w_free) + matmul(motion, g)
+            call new_stiffness_operator(matrix, stiffness, size(body%travel, 2) == 0, body%zone%n_tangents)
+            call new_contact_problem(small, matrix)
+            small%load = v
+            small%gap = search%gap(rows%point) + w(:n)
+            small%anchor = merge(0.0_dp, acting%anchor(places(n + 1:) - m) - rows%base(n + 1:), rows%is_fixed(n + 1:))
+            v = loads%friction_of(acting)
+            small%friction = v(rows%point)
+            small%slip_bound = [(bound_at(rows%point(i)), i=1, n)]
+            small%uncanceled = problem%uncanceled
+            call near%reset()
+            call solve_components(method, small, near, error)
+            if (allocated(error)) return
+         end if
+         v = matmul(flexible, near%force)
+         search%strain = maxval(abs(v))
+         if (.not. search%strain > 0.0_dp) search%strain = maxval(abs(free))
+         v = free - v + matmul(body%travel, b + matmul(g, near%displacement - w_free))
+         search%change = maxval(abs(v - search%now%v))
+         search%now%v = v
+         search%force = 0.0_dp
+         do i = 1, r
+            if (rows%is_fixed(i)) cycle
+            do k = rows%start(i), rows%start(i + 1) - 1
+               force(rows%column(k)) = force(rows%column(k)) + rows%value(k)*near%force(i)
+            end do
+         end do
+         call new_contact_solution(found, m, body%zone%n_tangents)
+         found%force(places) = near%force
+         found%status(rows%point) = near%status
+         found%is_converged = near%is_converged
+         found%n_iterations = near%n_iterations
+         found%effort = near%effort
+         found%residual = near%residual
+         found%force_scale = near%force_scale
+         found%history = near%history
+      end associate
 
    contains
 

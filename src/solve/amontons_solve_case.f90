@@ -88,7 +88,7 @@ contains
       ! A history may have left motions locked.
       if (has_body .and. cache%is_condensed) has_body = .not. any(cache%body%condensation%is_locked)
       if (has_body) then
-         if (cache%body%slides_far) call cache%body%rest()
+         if (cache%body%slides_far) cache%body%zone = cache%body%zone_at_rest
          call check_names(config, cache%body%mesh, error)
       else
          call make_body(cache, config, error)

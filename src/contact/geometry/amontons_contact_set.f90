@@ -15,8 +15,8 @@ module amontons_contact_set
    !> Sources of the gaps of a pair, as a deck names them: the meshes, or 0 wherever the bodies face each other.
    character(8), parameter :: gap_names(*) = [character(8) :: 'mesh', 'touching']
 
-   !> How far the points of a set slide, as a deck names it: so little that partners, normals and arms stay those at rest,
-   !> or any way.
+   !> How far the points of a set slide, as a deck names it: so little that partners, normals and arms stay those at
+   !> rest, or any way.
    character(6), parameter :: sliding_names(*) = [character(6) :: 'small', 'finite']
 
    !> The other body of a contact set. The set is the slave, which carries the multipliers; the boundary of the other

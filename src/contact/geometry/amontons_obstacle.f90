@@ -417,13 +417,13 @@ contains
       is_met = cosine >= steepest_cosine
    end subroutine obstacle_measure
 
-   !> The gap from a point along the normal of the obstacle: the directions from which it is measured follow the normals
-   !> at their feet, so that the last one is that of the nearest position as the gap closes.
+   !> The gap from a point along the normal of the obstacle: the directions from which it is measured follow the
+   !> normals at their feet, so that the last one is that of the nearest position as the gap closes.
    pure subroutine obstacle_approach(self, position, direction, gap, is_met)
       class(obstacle_t), intent(in) :: self !! the obstacle
       real(dp), intent(in) :: position(:) !! the point (n_dim) [L]
       real(dp), intent(inout) :: direction(:)
-         !! a direction towards the obstacle; that opposite to the obstacle's normal on return, a unit vector (n_dim) [-]
+         !! a direction towards the obstacle, a unit vector; that opposite to its normal on return (n_dim) [-]
       real(dp), intent(out) :: gap !! the gap along it [L]
       logical, intent(out) :: is_met !! whether there is one
       integer, parameter :: n_steps = 8

@@ -23,7 +23,7 @@ module amontons_pair_substitution
    implicit none (type, external)
    private
 
-   public :: join_corners, new_pair_substitution, new_tied_pairs
+   public :: bonds_of, join_corners, new_pair_substitution, new_tied_pairs
 
    !> The displacement of a node as a sum of unknowns of nodes and displacements of nodes, each times a block.
    type :: sum_t
@@ -473,5 +473,34 @@ contains
          end do
       end do
    end subroutine follow_guides
+
+   !> Pairs of nodes that move together in a rigid motion: of surfaces that face each other the corners of each
+   !> segment's two sides, and those of rigid sets; and the number of the pair if there is a free jump between the two,
+   !> 0 elsewhere (3, any).
+   pure function bonds_of(pairs, constraints) result(bonds)
+      type(mortar_pair_t), intent(in) :: pairs(:) !! the pairs of surfaces; some may be none
+      type(constraints_t), intent(in) :: constraints !! the supports, with the rigid sets
+      integer, allocatable :: bonds(:, :)
+      integer :: i, k
+
+      allocate (bonds(3, 0))
+      do i = 1, size(pairs)
+         if (.not. pairs(i)%is_set()) cycle
+         associate (pair => pairs(i), jump => merge(i, 0, pairs(i)%is_jump_free))
+            ! In space one corner of each face stands for all.
+            associate (slave => pair%slave%side(:2, pair%segments%slave), &
+               master => pair%master%side(:2, pair%segments%master))
+               bonds = reshape([bonds, ([slave(1, k), master(1, k), jump, slave(2, k), master(1, k), jump, &
+                  master(:, k), 0], k=1, size(pair%segments))], [3, size(bonds, 2) + 3*size(pair%segments)])
+            end associate
+         end associate
+      end do
+      do i = 1, size(constraints%rigid)
+         associate (rigid => constraints%rigid(i))
+            bonds = reshape([bonds, ([rigid%carrier(1), rigid%node(k), 0], k=1, size(rigid%node))], &
+               [3, size(bonds, 2) + size(rigid%node)])
+         end associate
+      end do
+   end function bonds_of
 
 end module amontons_pair_substitution

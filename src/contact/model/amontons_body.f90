@@ -3,7 +3,7 @@
 module amontons_body
    use amontons_assembly, only: assemble_stiffness
    use amontons_condensation, only: condensation_options_t, condensation_t, find_band_order, may_suit_band, &
-      new_condensation, new_distributed_condensation
+      new_condensation, new_distributed_condensation, new_flexibility
    use amontons_condenser, only: cholesky_t, condenser_t
    use amontons_conditioning, only: conditioning_text
    use amontons_constraints, only: constraints_t, dof_map_t, longest_name, new_constraints, new_dof_map, &
@@ -11,11 +11,10 @@ module amontons_body
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t, share_parts
    use amontons_contact_set, only: contact_t, tie_t
-   use amontons_contact_zone, only: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, new_carrier_zone, &
-      new_contact_zone, recompute_pairs, segments_again
+   use amontons_contact_zone, only: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, new_contact_zone, &
+      recompute_pairs, segments_again
    use amontons_distributed, only: n_ranks, new_distributed_condenser
-   use amontons_dense, only: cholesky_factor, cholesky_inverse
-   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium, numerical_failure
+   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
    use amontons_frame, only: new_frame
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
    use amontons_kinds, only: dp, int64
@@ -23,8 +22,9 @@ module amontons_body
    use amontons_material, only: material_t, new_materials
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring, outer_sides
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t
+   use amontons_moved_zone, only: check_carriers, new_carrier_zone
    use amontons_new_cholesky, only: new_cholesky
-   use amontons_pair_substitution, only: join_corners, new_pair_substitution, new_tied_pairs
+   use amontons_pair_substitution, only: bonds_of, join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_motion, only: displacement_of_nodes, largest_motion, new_rigid_motions, orthonormal_modes, &
       resting_motions, rigid_motions_t
@@ -40,7 +40,7 @@ module amontons_body
    implicit none (type, external)
    private
 
-   public :: body_t, bonds_of, condense_body, estimate_body, estimate_t, find_motions, find_rigid_modes, &
+   public :: body_t, condense_body, estimate_body, estimate_t, find_motions, find_rigid_modes, &
       lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
 
    !> Smallest inf-sup constant of the constant multipliers of a contact set without a warning.
@@ -102,8 +102,8 @@ module amontons_body
       type(contact_zone_t), allocatable :: zone_at_rest !! the contact points at rest, where they slide far
       integer, allocatable :: contact_node(:) !! the nodes of contact sets, where they slide far
       real(dp), allocatable :: flexibility(:, :)
-         !! inverse of S on the carriers, where the points slide far; of a body with free motions that of S and a multiple
-         !! of their squares (carrier rows, carrier rows) [L/F]
+         !! inverse of S on the carriers, where the points slide far; of a body with free motions that of S and a
+         !! multiple of their squares (carrier rows, carrier rows) [L/F]
       type(free_boundary_t) :: free_boundary !! the boundary beyond the ends of the contact sets
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(mortar_pair_t), allocatable :: ties(:) !! the surfaces that are bonded
@@ -123,7 +123,6 @@ module amontons_body
       procedure :: driven_field => body_driven_field
       procedure :: driven_forces => body_driven_forces
       procedure :: internal_forces => body_internal_forces
-      procedure :: rest => body_rest
    end type body_t
 
    !> Estimate of time and memory that the condensation of a body takes.
@@ -200,26 +199,8 @@ contains
          call integrate_pair(points, body%ties(i), segments_again(body%ties(i)), is_again=.true.)
          call body%checked_tie_rows%add(points%rows)
       end do
-      associate (zone => body%zone)
-         if (body%slides_far) then
-            call new_carrier_zone(body%carrier, body%contact_node, zone, body%constraints, mesh%coordinates)
-            call new_pair_substitution(substitution, body%ties, zone%pairs(:0), zone%rows%picked(nothing), &
-               zone%frame(:, :, nothing), body%constraints, mesh%coordinates, error)
-         else
-            call new_pair_substitution(substitution, body%ties, zone%pairs, zone%rows%picked(zone%mean_point), &
-               zone%frame(:, :, zone%mean_point), body%constraints, mesh%coordinates, error)
-         end if
-      end associate
+      call set_carriers(body, substitution, contacts, joined_area, error)
       if (allocated(error)) return
-      if (body%slides_far) then
-         call check_carriers(body, contacts, error)
-         if (allocated(error)) return
-         body%zone_at_rest = body%zone
-      else
-         call share_parts(body%zone%rows, body%partner, joined_area)
-         call let_guided_slaves_slip(body%zone, body%constraints, substitution)
-         body%carrier = body%zone
-      end if
       call set_motions(body)
       call number_unknowns(body, substitution, error)
       if (allocated(error)) return
@@ -273,36 +254,32 @@ contains
       end do
    end function strained_motions
 
-   !> Refuses sets that slide far and contain nodes that move with others: those of rigid sets and slaves of ties.
-   subroutine check_carriers(body, contacts, error)
-      type(body_t), intent(in) :: body !! the body, its carriers found
+   !> Chooses the points that the body is condensed to, and makes displacements of slaves sums of others.
+   subroutine set_carriers(body, substitution, contacts, joined_area, error)
+      type(body_t), intent(inout) :: body !! the body, its contact points and ties found
+      type(substitution_t), intent(out) :: substitution !! displacements of the nodes in terms of the unknowns
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
-      type(error_t), allocatable, intent(out) :: error !! there is such a node
-      integer :: i, k
+      real(dp), intent(in) :: joined_area(:) !! areas of nodes that share contact points (n_nodes) [L^2]
+      type(error_t), allocatable, intent(out) :: error !! slaves that do not go together; sets that cannot slide far
+      integer :: nothing(0)
 
-      i = findloc(contacts%slides_far(), .false., dim=1)
-      k = findloc(contacts%pairing%is_pair() .and. size(body%mesh%coordinates, 1) == 3, .true., dim=1)
-      if (i > 0) then
-         call new_error(error, input_refused, contacts(i)%origin//"sliding must be 'finite' for all contact sets, or "// &
-            'for none')
-      else if (k > 0) then
-         call new_error(error, input_refused, contacts(k)%origin//"sliding = 'finite' of pairs of solids is not "// &
-            'possible yet')
-      else if (body%materials%is_twisted()) then
-         call new_error(error, input_refused, contacts(1)%origin//"sliding = 'finite' does not go with twist")
-      end if
-      if (allocated(error)) return
-      do i = 1, body%carrier%n_points
-         associate (node => body%carrier%node(i))
-            if (body%constraints%rigid_of(node) == 0 .and. &
-               .not. any([(any(body%ties(k)%slave%side(:size(body%ties(k)%slave%side, 1) - 1, :) == node), &
-               k=1, size(body%ties))])) cycle
-            call new_error(error, input_refused, contacts(1)%origin//"sliding = 'finite': the node at "// &
-               place_text(body%mesh%coordinates(:, node))//' moves with a rigid set or tie, too; keep the sets apart')
-            return
-         end associate
-      end do
-   end subroutine check_carriers
+      associate (zone => body%zone, x => body%mesh%coordinates)
+         if (.not. body%slides_far) then
+            call new_pair_substitution(substitution, body%ties, zone%pairs, zone%rows%picked(zone%mean_point), &
+               zone%frame(:, :, zone%mean_point), body%constraints, x, error)
+            if (allocated(error)) return
+            call share_parts(zone%rows, body%partner, joined_area)
+            call let_guided_slaves_slip(zone, body%constraints, substitution)
+            body%carrier = zone
+         else
+            call new_carrier_zone(body%carrier, body%contact_node, zone, body%constraints, x)
+            call check_carriers(body%carrier, body%meshed_body_t, body%ties, contacts, error)
+            if (.not. allocated(error)) call new_pair_substitution(substitution, body%ties, zone%pairs(:0), &
+               zone%rows%picked(nothing), zone%frame(:, :, nothing), body%constraints, x, error)
+            body%zone_at_rest = zone
+         end if
+      end associate
+   end subroutine set_carriers
 
    !> Lists the contact sets, supports and ties whose forces on the body are reported, by name.
    pure subroutine name_forces(list, supports, contacts, ties, error)
@@ -607,37 +584,9 @@ contains
 
       n = size(body%mesh%coordinates, 1)
       call new_rigid_motions(motions, body%mesh, body%outer, constraints, springs, body%is_axisymmetric, &
-         bonds_of(body%ties, constraints), reshape([(body%ties(i)%jump(:n), i=1, size(body%ties))], [n, size(body%ties)]))
+         bonds_of(body%ties, constraints), &
+         reshape([(body%ties(i)%jump(:n), i=1, size(body%ties))], [n, size(body%ties)]))
    end subroutine find_motions
-
-   !> Pairs of nodes that move together in a rigid motion: of surfaces that face each other the corners of each
-   !> segment's two sides, and those of rigid sets; and the number of the pair if there is a free jump between the two,
-   !> 0 elsewhere (3, any).
-   pure function bonds_of(pairs, constraints) result(bonds)
-      type(mortar_pair_t), intent(in) :: pairs(:) !! the pairs of surfaces; some may be none
-      type(constraints_t), intent(in) :: constraints !! the supports, with the rigid sets
-      integer, allocatable :: bonds(:, :)
-      integer :: i, k
-
-      allocate (bonds(3, 0))
-      do i = 1, size(pairs)
-         if (.not. pairs(i)%is_set()) cycle
-         associate (pair => pairs(i), jump => merge(i, 0, pairs(i)%is_jump_free))
-            ! In space one corner of each face stands for all.
-            associate (slave => pair%slave%side(:2, pair%segments%slave), &
-               master => pair%master%side(:2, pair%segments%master))
-               bonds = reshape([bonds, ([slave(1, k), master(1, k), jump, slave(2, k), master(1, k), jump, &
-                  master(:, k), 0], k=1, size(pair%segments))], [3, size(bonds, 2) + 3*size(pair%segments)])
-            end associate
-         end associate
-      end do
-      do i = 1, size(constraints%rigid)
-         associate (rigid => constraints%rigid(i))
-            bonds = reshape([bonds, ([rigid%carrier(1), rigid%node(k), 0], k=1, size(rigid%node))], &
-               [3, size(bonds, 2) + size(rigid%node)])
-         end associate
-      end do
-   end function bonds_of
 
    !> Assembles and factorizes the stiffness and condenses it to the contact points; the clock is left in the phase of
    !> condensing.
@@ -650,13 +599,16 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the body is not held, or its stiffness is degenerate
       type(sparse_matrix_t) :: stiffness
       class(condenser_t), allocatable :: condenser
+      type(condensation_options_t) :: suited
       logical :: is_held
 
       call timings%begin(phase_assemble)
       call check_held(body, error)
       if (allocated(error)) return
       is_held = all(body%motions%n_free == 0)
-      if (is_distributed(body, options)) then
+      suited = options
+      if (body%slides_far) suited%form = 'dense'
+      if (is_distributed(body, suited)) then
          call timings%begin(phase_factorize)
          call new_distributed_condenser(condenser, is_held, body%mesh, body%materials, body%springs, &
             body%constraints, body%dof_map, error)
@@ -668,7 +620,7 @@ contains
             body%constraints, body%dof_map, error)
          if (allocated(error)) return
          call timings%begin(phase_factorize)
-         call new_condensation(body%condensation, stiffness, options, is_held, body%carrier, body%constraints, &
+         call new_condensation(body%condensation, stiffness, suited, is_held, body%carrier, body%constraints, &
             body%dof_map, error)
       end if
       if (allocated(error)) call explain_refusal(body, error)
@@ -700,30 +652,8 @@ contains
          if (any(abs(motion) > 0.0_dp)) problem%rounding = max(problem%rounding, maxval(abs(force)) &
             /maxval(abs(motion)))
       end do
-      if (body%slides_far) call set_flexibility(body, problem%matrix%stiffness%values, error)
+      if (body%slides_far) call new_flexibility(body%flexibility, problem%matrix%stiffness%values, body%travel, error)
    end subroutine pose_body
-
-   !> Inverts S on the carriers.
-   subroutine set_flexibility(body, stiffness, error)
-      type(body_t), intent(inout) :: body !! the body; gains its flexibility
-      real(dp), intent(in) :: stiffness(:, :) !! S (carrier rows, carrier rows) [F/L]
-      type(error_t), allocatable, intent(out) :: error !! S is not positive definite beside the free motions
-      real(dp) :: mean
-      integer :: i, info
-
-      body%flexibility = stiffness
-      mean = sum([(stiffness(i, i), i=1, size(stiffness, 1))])/max(1, size(stiffness, 1))
-      do i = 1, size(stiffness, 1)
-         body%flexibility(:, i) = body%flexibility(:, i) + mean*matmul(body%travel, body%travel(i, :))
-      end do
-      call cholesky_factor(body%flexibility, info)
-      if (info /= 0) then
-         call new_error(error, numerical_failure, 'the condensed stiffness of the contact nodes is not positive '// &
-            'definite: neither supports nor contact points hold the body')
-         return
-      end if
-      call cholesky_inverse(body%flexibility)
-   end subroutine set_flexibility
 
    !> The displacements of the contact unknowns under the free motions that leave all contact points at rest (n_schur,
    !> any) [-].
@@ -780,13 +710,6 @@ contains
             .not. may_suit_band(n, options%form, body%carrier)))
       end associate
    end function is_distributed
-
-   !> Puts contact points that slide far back where they are at rest.
-   pure subroutine body_rest(self)
-      class(body_t), intent(inout) :: self !! the body
-
-      self%zone = self%zone_at_rest
-   end subroutine body_rest
 
    !> Nodal forces of the stresses and springs under a displacement field, K u - f_th, computed without assembling K.
    subroutine body_internal_forces(self, forces, displacement, element_load)
@@ -891,7 +814,7 @@ contains
             body%constraints, body%dof_map, error)
          if (allocated(error)) return
          call timings%begin(phase_factorize)
-         call find_band_order(stiffness, options%form, body%carrier, order)
+         if (.not. body%slides_far) call find_band_order(stiffness, options%form, body%carrier, order)
          if (allocated(order)) then
             estimate%half_width = half_bandwidth(stiffness, order)
             estimate%n_rows = stiffness%n
@@ -908,7 +831,8 @@ contains
       ! The contact problem: dense matrices, of contact points, of a step for Newton's method, of nodes behind cells;
       ! of a band the matrix and its factor, both twice, and the factors of a step; and the rows of its points in files.
       n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*real(body%carrier%n_rows, dp)**2
-      if (.not. all(body%carrier%is_own)) n_entries = n_entries + real(body%dof_map%n_schur + body%carrier%n_rows, dp)**2
+      if (.not. all(body%carrier%is_own)) n_entries = n_entries &
+         + real(body%dof_map%n_schur + body%carrier%n_rows, dp)**2
       if (estimate%half_width > 0) n_entries = n_entries + 7.0_dp*(estimate%half_width + 1)*estimate%n_rows
       estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb() &
          + (8.0e-6_dp*n_entries + of_point*body%zone%n_points))

@@ -41,7 +41,8 @@ module amontons_condensation
    private
 
    public :: condensation_names, condensation_options_t, condensation_t, condensed_load_t, find_band_order, &
-      may_suit_band, new_condensation, new_distributed_condensation, new_row_condensation, row_condensation_t
+      may_suit_band, new_condensation, new_distributed_condensation, new_flexibility, &
+      new_row_condensation, row_condensation_t
 
    !> The condensation of displacements to rows w = C v: it condenses loads and recovers displacements.
    type :: row_condensation_t
@@ -479,6 +480,27 @@ contains
             .and. .not. slowness*n*(n/m)**2 > m**3
       end associate
    end function may_suit_band
+
+   !> Inverts S, of a body with free motions S and a multiple of their squares.
+   pure subroutine new_flexibility(flexibility, stiffness, motions, error)
+      real(dp), allocatable, intent(out) :: flexibility(:, :) !! the inverse (n, n) [L/F]
+      real(dp), intent(in) :: stiffness(:, :) !! S (n, n) [F/L]
+      real(dp), intent(in) :: motions(:, :) !! the free motions, orthonormal (n, any) [-]
+      type(error_t), allocatable, intent(out) :: error !! S is not positive definite beside them
+      real(dp) :: mean
+      integer :: i, info
+
+      flexibility = stiffness
+      mean = sum([(stiffness(i, i), i=1, size(stiffness, 1))])/max(1, size(stiffness, 1))
+      do i = 1, size(stiffness, 1)
+         flexibility(:, i) = flexibility(:, i) + mean*matmul(motions, motions(i, :))
+      end do
+      call cholesky_factor(flexibility, info)
+      if (info == 0) call cholesky_inverse(flexibility)
+      ! not raised: what neither supports nor contact hold was refused before
+      if (info /= 0) call new_error(error, numerical_failure, 'the condensed stiffness of the contact nodes is not '// &
+         'positive definite')
+   end subroutine new_flexibility
 
    !> Condenses the stiffness S to rows w = C v: G = C M^-1 C^T with M = S + C^T R C.
    pure subroutine new_row_condensation(condensation, stiffness, whole, rows, of_point, next, unnoticed, error)

@@ -16,12 +16,12 @@ module amontons_contact_zone
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face, only: face_t, set_faces
    use amontons_face_pair, only: find_face_segments
-   use amontons_frame, only: new_frame, new_frames
+   use amontons_frame, only: new_frames
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
-   use amontons_moved_pair, only: integrate_moved_pair, move_pair, new_moved_pair
    use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mortar_pair_t, mortar_points_t, &
       new_mortar_pair, take_facing_sides
+   use amontons_moved_pair, only: integrate_moved_pair, new_moved_pair
    use amontons_obstacle, only: unit_vector
    use amontons_sparse_lu, only: sparse_lu_t
    use amontons_sparse_matrix, only: entries_t
@@ -30,8 +30,8 @@ module amontons_contact_zone
    implicit none (type, external)
    private
 
-   public :: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, new_carrier_zone, new_contact_zone, &
-      recompute_pairs, segments_again
+   public :: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, mean_gap, new_contact_zone, &
+      recompute_pairs, segments_again, set_moved
 
    !> The contact points of all contact sets, each set in the order of its patch.
    type :: contact_zone_t
@@ -73,7 +73,6 @@ module amontons_contact_zone
       procedure :: free_slips => contact_zone_free_slips
       procedure :: global_vectors => contact_zone_global_vectors
       procedure :: last_own_part => contact_zone_last_own_part
-      procedure :: move => contact_zone_move
       procedure :: normal => contact_zone_normal
       procedure :: own_nodes => contact_zone_own_nodes
    end type contact_zone_t
@@ -629,137 +628,6 @@ contains
       points%rows = integrals%rows
       points%quadrature = integrals%quadrature
    end subroutine set_moved
-
-   !> Moves the points of sets that slide far to the present places of their nodes: frames, rows, areas and gaps of pairs
-   !> anew; frames of points on rigid obstacles along the obstacle's normal.
-   subroutine contact_zone_move(self, contacts, place, gap, is_near, keeps_carriers)
-      class(contact_zone_t), intent(inout) :: self !! the contact points
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
-      real(dp), intent(in) :: place(:, :) !! the places of all nodes (n_dim, n_nodes) [L]
-      real(dp), intent(out) :: gap(:) !! the gaps there, without extra gaps (m) [L]
-      logical, intent(out) :: is_near(:) !! whether a point faces what it may touch (m)
-      logical, intent(in) :: keeps_carriers !! whether the same points of pairs as before carry the hats
-      type(contact_rows_t) :: rows
-      type(contact_quadrature_t) :: quadrature
-      type(mortar_points_t) :: integrals
-      type(contact_zone_t) :: points
-      integer, allocatable :: of_set(:)
-      integer :: nothing(0), p, set
-
-      rows = self%rows%picked(nothing)
-      quadrature = self%quadrature%picked(nothing)
-      do set = 1, size(contacts)
-         of_set = pack([(p, p=1, self%n_points)], self%set == set)
-         if (self%pairs(set)%is_set()) then
-            call move_pair(self%pairs(set), place, keeps_carriers)
-            call integrate_moved_pair(integrals, self%pairs(set), is_again=.false.)
-            call set_moved(points, integrals, self%pairs(set))
-            self%frame(:, :, of_set) = points%frame
-            self%acting(:, of_set) = points%acting
-            self%foot(:, of_set) = points%foot
-            self%weight(of_set) = points%weight
-            self%area(of_set) = points%area
-            call rows%add(points%rows)
-            call quadrature%add(points%quadrature)
-            do p = 1, size(of_set)
-               gap(of_set(p)) = mean_gap(points%quadrature, p)
-            end do
-            is_near(of_set) = integrals%area > 0.0_dp
-         else
-            do p = 1, size(of_set)
-               call move_to_obstacle(self, of_set(p), contacts(set), place, gap(of_set(p)), is_near(of_set(p)))
-            end do
-            call rows%add(self%rows%picked(of_set))
-            call quadrature%add(self%quadrature%picked(of_set))
-         end if
-      end do
-      self%rows = rows
-      self%quadrature = quadrature
-   end subroutine contact_zone_move
-
-   !> Moves a point on a rigid obstacle: its normal becomes opposite to that of the obstacle at its foot.
-   pure subroutine move_to_obstacle(zone, point, contact, place, gap, is_near)
-      type(contact_zone_t), intent(inout) :: zone !! the zone
-      integer, intent(in) :: point !! the point
-      type(contact_t), intent(in) :: contact !! its contact set, with the obstacle where it is now
-      real(dp), intent(in) :: place(:, :) !! the places of all nodes (n_dim, n_nodes) [L]
-      real(dp), intent(out) :: gap !! the gap there [L]
-      logical, intent(out) :: is_near !! whether there is one
-      real(dp) :: share, of_part, direction(size(place, 1)), frame(size(zone%frame, 1), size(zone%frame, 2))
-      logical :: is_met
-      integer :: i
-
-      gap = 0.0_dp
-      is_near = .true.
-      zone%acting(:, point) = 0.0_dp
-      frame = zone%frame(:, :, point)
-      do i = zone%rows%start(point), zone%rows%start(point + 1) - 1
-         share = dot_product(zone%rows%block(:, 1, i), zone%frame(:, 1, point))
-         direction = zone%normal(point)
-         associate (x => place(:, zone%rows%node(i)))
-            call contact%obstacle%approach(x, direction, of_part, is_met)
-            zone%acting(:, point) = zone%acting(:, point) + share*x
-         end associate
-         is_near = is_near .and. is_met
-         ! The node of the point comes first.
-         if (i == zone%rows%start(point)) frame = new_frame(direction, size(frame, 1))
-         gap = gap + share*of_part*dot_product(direction, frame(:size(direction), 1))
-         zone%rows%block(:, :, i) = share*frame
-      end do
-      if (is_near) zone%foot(:, point) = zone%acting(:, point) + gap*frame(:size(direction), 1)
-      zone%frame(:, :, point) = frame
-   end subroutine move_to_obstacle
-
-   !> The nodes of sets that slide far, those of masters among them, as points: a body is condensed to these, and rows of
-   !> the contact points are made of them in each place anew. Their first direction is free of supports.
-   pure subroutine new_carrier_zone(carrier, nodes, zone, constraints, coordinates)
-      type(contact_zone_t), intent(out) :: carrier !! these points
-      integer, allocatable, intent(out) :: nodes(:) !! these nodes and those that supports hold
-      type(contact_zone_t), intent(in) :: zone !! the contact points
-      type(constraints_t), intent(in) :: constraints !! the supports
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
-      logical :: is_carrier(size(coordinates, 2))
-      integer :: i, k, p, n, first
-
-      is_carrier = .false.
-      is_carrier(zone%rows%node) = .true.
-      do i = 1, size(zone%pairs)
-         if (.not. zone%pairs(i)%is_set()) cycle
-         associate (slave => zone%pairs(i)%slave%side, master => zone%pairs(i)%master%side)
-            do k = 1, size(slave, 1) - 1
-               is_carrier(pack(slave(k, :), slave(k, :) > 0)) = .true.
-               is_carrier(pack(master(k, :), master(k, :) > 0)) = .true.
-            end do
-         end associate
-      end do
-      nodes = pack([(i, i=1, size(is_carrier))], is_carrier)
-      carrier%node = pack([(i, i=1, size(is_carrier))], is_carrier .and. any(constraints%is_free, dim=1))
-      carrier%n_points = size(carrier%node)
-      carrier%n_tangents = zone%n_tangents
-      n = 1 + zone%n_tangents
-      carrier%n_rows = n*carrier%n_points
-      allocate (carrier%frame(n, n, carrier%n_points), carrier%is_fixed(n - 1, carrier%n_points))
-      do p = 1, carrier%n_points
-         associate (is_free => constraints%is_free(:, carrier%node(p)))
-            first = findloc(is_free, .true., dim=1)
-            associate (axes => cshift([(k, k=1, n)], first - 1))
-               carrier%frame(:, :, p) = constraints%frame(:, axes, carrier%node(p))
-               carrier%is_fixed(:, p) = .not. is_free(axes(2:))
-            end associate
-         end associate
-      end do
-      allocate (carrier%is_own(carrier%n_points), source=.true.)
-      allocate (carrier%is_cell(carrier%n_points), source=.false.)
-      allocate (carrier%set(carrier%n_points), source=1)
-      allocate (carrier%weight(carrier%n_points), carrier%area(carrier%n_points), source=1.0_dp)
-      allocate (carrier%mean_point(0), carrier%pairs(1))
-      if (allocated(zone%line)) allocate (carrier%line)
-      if (allocated(zone%line)) allocate (carrier%line%next(carrier%n_points), source=0)
-      carrier%rows = contact_rows_t([(p, p=1, carrier%n_points + 1)], carrier%node, carrier%frame)
-      carrier%position = coordinates(:, carrier%node)
-      carrier%acting = carrier%position
-      carrier%foot = carrier%position
-   end subroutine new_carrier_zone
 
    !> Recomputes rows and gaps of the points of pairs in contact; all other rows are copied.
    subroutine recompute_pairs(rows, gap_change, zone, slides_far)

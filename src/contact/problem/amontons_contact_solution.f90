@@ -27,8 +27,8 @@ module amontons_contact_solution
       real(dp), allocatable :: force(:) !! lambda = (lambda_N; lambda_T) (n) [F]
       real(dp), allocatable :: displacement(:) !! v = (u_N; u_T) (n) [L]
       real(dp), allocatable :: carried(:, :)
-         !! displacements and contact forces of the nodes that the body is condensed to; allocated where bodies slide far
-         !! (carrier rows, 2) [L], [F]
+         !! displacements and contact forces of the nodes that the body is condensed to; allocated where bodies slide
+         !! far (carrier rows, 2) [L], [F]
       integer, allocatable :: status(:) !! status of each point, see `amontons_friction_law` (m)
       logical :: is_converged = .false. !! whether the residual is at most the tolerance
       logical :: is_at_rest = .false. !! whether the method stopped because its forces no longer changed

@@ -23,13 +23,13 @@ module amontons_history_model
    use amontons_load_family, only: acting_t, add_part, condensed_force, load_case_t, obstacle_motion_t, one_part, &
       parting_t
    use amontons_load_solver, only: load_solver_t, new_load_solver, residual_of_strains
-   use amontons_named_forces, only: contact_values, find_responses, force_form_t, force_test_t, named_quantities, named_tests, &
-      new_force_form
+   use amontons_named_forces, only: contact_values, find_responses, force_form_t, force_test_t, named_quantities, &
+      named_tests, new_force_form
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
       outcome_solved
    use amontons_rounding, only: exceeds, sum_rounding
-   use amontons_sliding, only: take_places, unbalanced_share
+   use amontons_sliding, only: beginning_t, take_places, unbalanced_share
    use amontons_surface_stress, only: new_surface_stress, surface_stress_t
    use amontons_text, only: place_text, scientific, to_text
    implicit none (type, external)
@@ -432,6 +432,7 @@ contains
       type(contact_problem_t), intent(inout) :: problem !! its contact problem; left as that of the step
       type(step_state_t), intent(in) :: before !! the state at the beginning of the step
       type(instant_t), intent(in) :: instant !! loads, obstacles and friction at its end
+      type(beginning_t) :: begin
       integer :: m
       logical :: is_held, may_continue
 
@@ -461,8 +462,10 @@ contains
          after%outcome = outcome_solved
          after%reason = ''
       else if (body%slides_far) then
+         begin%acting_t = before%instant%acting_t
+         begin%carried = before%solution%carried
          call model%solver%slide(body, after%instant, problem, after%solution, after%outcome, after%reason, &
-            after%error_kind, before%solution, before%instant)
+            after%error_kind, begin)
       else
          ! Under loads the previous slip is repeated, so that the method starts from the previous statuses.
          if (any(abs(problem%load) > 0.0_dp)) then

@@ -1,0 +1,185 @@
+!> Contact points that slide far: where they are now, and the nodes that a body is condensed to for them.
+module amontons_moved_zone
+   use amontons_constraints, only: constraints_t
+   use amontons_contact_rows, only: contact_quadrature_t, contact_rows_t
+   use amontons_contact_set, only: contact_t
+   use amontons_contact_zone, only: contact_zone_t, mean_gap, set_moved
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_frame, only: new_frame
+   use amontons_kinds, only: dp
+   use amontons_mortar_pair, only: mortar_pair_t, mortar_points_t
+   use amontons_moved_pair, only: integrate_moved_pair, move_pair
+   use amontons_surface, only: meshed_body_t
+   use amontons_text, only: place_text
+   implicit none (type, external)
+   private
+
+   public :: check_carriers, move_zone, new_carrier_zone
+
+contains
+
+   !> Moves the points of sets that slide far to the present places of their nodes: frames, rows, areas and gaps of
+   !> pairs anew; frames of points on rigid obstacles along the obstacle's normal.
+   subroutine move_zone(zone, contacts, place, gap, is_near, keeps_carriers)
+      type(contact_zone_t), intent(inout) :: zone !! the contact points
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
+      real(dp), intent(in) :: place(:, :) !! the places of all nodes (n_dim, n_nodes) [L]
+      real(dp), intent(out) :: gap(:) !! the gaps there, without extra gaps (m) [L]
+      logical, intent(out) :: is_near(:) !! whether a point faces what it may touch (m)
+      logical, intent(in) :: keeps_carriers !! whether the same points of pairs as before carry the hats
+      type(contact_rows_t) :: rows
+      type(contact_quadrature_t) :: quadrature
+      type(mortar_points_t) :: integrals
+      type(contact_zone_t) :: points
+      integer, allocatable :: of_set(:)
+      integer :: nothing(0), p, set
+
+      rows = zone%rows%picked(nothing)
+      quadrature = zone%quadrature%picked(nothing)
+      do set = 1, size(contacts)
+         of_set = pack([(p, p=1, zone%n_points)], zone%set == set)
+         if (zone%pairs(set)%is_set()) then
+            call move_pair(zone%pairs(set), place, keeps_carriers)
+            call integrate_moved_pair(integrals, zone%pairs(set), is_again=.false.)
+            call set_moved(points, integrals, zone%pairs(set))
+            zone%frame(:, :, of_set) = points%frame
+            zone%acting(:, of_set) = points%acting
+            zone%foot(:, of_set) = points%foot
+            zone%weight(of_set) = points%weight
+            zone%area(of_set) = points%area
+            call rows%add(points%rows)
+            call quadrature%add(points%quadrature)
+            do p = 1, size(of_set)
+               gap(of_set(p)) = mean_gap(points%quadrature, p)
+            end do
+            is_near(of_set) = integrals%area > 0.0_dp
+         else
+            do p = 1, size(of_set)
+               call move_to_obstacle(zone, of_set(p), contacts(set), place, gap(of_set(p)), is_near(of_set(p)))
+            end do
+            call rows%add(zone%rows%picked(of_set))
+            call quadrature%add(zone%quadrature%picked(of_set))
+         end if
+      end do
+      zone%rows = rows
+      zone%quadrature = quadrature
+   end subroutine move_zone
+
+   !> Moves a point on a rigid obstacle: its normal becomes opposite to that of the obstacle at its foot.
+   pure subroutine move_to_obstacle(zone, point, contact, place, gap, is_near)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: point !! the point
+      type(contact_t), intent(in) :: contact !! its contact set, with the obstacle where it is now
+      real(dp), intent(in) :: place(:, :) !! the places of all nodes (n_dim, n_nodes) [L]
+      real(dp), intent(out) :: gap !! the gap there [L]
+      logical, intent(out) :: is_near !! whether there is one
+      real(dp) :: share, of_part, direction(size(place, 1)), frame(size(zone%frame, 1), size(zone%frame, 2))
+      logical :: is_met
+      integer :: i
+
+      gap = 0.0_dp
+      is_near = .true.
+      zone%acting(:, point) = 0.0_dp
+      frame = zone%frame(:, :, point)
+      do i = zone%rows%start(point), zone%rows%start(point + 1) - 1
+         share = dot_product(zone%rows%block(:, 1, i), zone%frame(:, 1, point))
+         direction = zone%normal(point)
+         associate (x => place(:, zone%rows%node(i)))
+            call contact%obstacle%approach(x, direction, of_part, is_met)
+            zone%acting(:, point) = zone%acting(:, point) + share*x
+         end associate
+         is_near = is_near .and. is_met
+         ! The node of the point comes first.
+         if (i == zone%rows%start(point)) frame = new_frame(direction, size(frame, 1))
+         gap = gap + share*of_part*dot_product(direction, frame(:size(direction), 1))
+         zone%rows%block(:, :, i) = share*frame
+      end do
+      if (is_near) zone%foot(:, point) = zone%acting(:, point) + gap*frame(:size(direction), 1)
+      zone%frame(:, :, point) = frame
+   end subroutine move_to_obstacle
+
+   !> Refuses sets that slide far and contain nodes that move with others: those of rigid sets and slaves of ties.
+   subroutine check_carriers(carrier, body, ties, contacts, error)
+      type(contact_zone_t), intent(in) :: carrier !! the nodes of its contact sets
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(error_t), allocatable, intent(out) :: error !! there is such a node
+      integer :: i, k
+
+      i = findloc(contacts%slides_far(), .false., dim=1)
+      k = findloc(contacts%pairing%is_pair() .and. size(body%mesh%coordinates, 1) == 3, .true., dim=1)
+      if (i > 0) then
+         call new_error(error, input_refused, contacts(i)%origin//"sliding must be 'finite' for all contact "// &
+            'sets, or for none')
+      else if (k > 0) then
+         call new_error(error, input_refused, contacts(k)%origin//"sliding = 'finite' of pairs of solids is not "// &
+            'possible yet')
+      else if (body%materials%is_twisted()) then
+         call new_error(error, input_refused, contacts(1)%origin//"sliding = 'finite' does not go with twist")
+      end if
+      if (allocated(error)) return
+      do i = 1, carrier%n_points
+         associate (node => carrier%node(i))
+            if (body%constraints%rigid_of(node) == 0 .and. &
+               .not. any([(any(ties(k)%slave%side(:size(ties(k)%slave%side, 1) - 1, :) == node), &
+               k=1, size(ties))])) cycle
+            call new_error(error, input_refused, contacts(1)%origin//"sliding = 'finite': the node at "// &
+               place_text(body%mesh%coordinates(:, node))//' moves with a rigid set or tie, too; keep the sets apart')
+            return
+         end associate
+      end do
+   end subroutine check_carriers
+
+   !> The nodes of sets that slide far, those of masters among them, as points: a body is condensed to these, and rows
+   !> of the contact points are made of them in each place anew. Their first direction is free of supports.
+   pure subroutine new_carrier_zone(carrier, nodes, zone, constraints, coordinates)
+      type(contact_zone_t), intent(out) :: carrier !! these points
+      integer, allocatable, intent(out) :: nodes(:) !! these nodes and those that supports hold
+      type(contact_zone_t), intent(in) :: zone !! the contact points
+      type(constraints_t), intent(in) :: constraints !! the supports
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
+      logical :: is_carrier(size(coordinates, 2))
+      integer :: i, k, p, n, first
+
+      is_carrier = .false.
+      is_carrier(zone%rows%node) = .true.
+      do i = 1, size(zone%pairs)
+         if (.not. zone%pairs(i)%is_set()) cycle
+         associate (slave => zone%pairs(i)%slave%side, master => zone%pairs(i)%master%side)
+            do k = 1, size(slave, 1) - 1
+               is_carrier(pack(slave(k, :), slave(k, :) > 0)) = .true.
+               is_carrier(pack(master(k, :), master(k, :) > 0)) = .true.
+            end do
+         end associate
+      end do
+      nodes = pack([(i, i=1, size(is_carrier))], is_carrier)
+      carrier%node = pack([(i, i=1, size(is_carrier))], is_carrier .and. any(constraints%is_free, dim=1))
+      carrier%n_points = size(carrier%node)
+      carrier%n_tangents = zone%n_tangents
+      n = 1 + zone%n_tangents
+      carrier%n_rows = n*carrier%n_points
+      allocate (carrier%frame(n, n, carrier%n_points), carrier%is_fixed(n - 1, carrier%n_points))
+      do p = 1, carrier%n_points
+         associate (is_free => constraints%is_free(:, carrier%node(p)))
+            first = findloc(is_free, .true., dim=1)
+            associate (axes => cshift([(k, k=1, n)], first - 1))
+               carrier%frame(:, :, p) = constraints%frame(:, axes, carrier%node(p))
+               carrier%is_fixed(:, p) = .not. is_free(axes(2:))
+            end associate
+         end associate
+      end do
+      allocate (carrier%is_own(carrier%n_points), source=.true.)
+      allocate (carrier%is_cell(carrier%n_points), source=.false.)
+      allocate (carrier%set(carrier%n_points), source=1)
+      allocate (carrier%weight(carrier%n_points), carrier%area(carrier%n_points), source=1.0_dp)
+      allocate (carrier%mean_point(0), carrier%pairs(1))
+      if (allocated(zone%line)) allocate (carrier%line)
+      if (allocated(zone%line)) allocate (carrier%line%next(carrier%n_points), source=0)
+      carrier%rows = contact_rows_t([(p, p=1, carrier%n_points + 1)], carrier%node, carrier%frame)
+      carrier%position = coordinates(:, carrier%node)
+      carrier%acting = carrier%position
+      carrier%foot = carrier%position
+   end subroutine new_carrier_zone
+
+end module amontons_moved_zone
