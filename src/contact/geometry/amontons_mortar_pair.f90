@@ -101,7 +101,8 @@ module amontons_mortar_pair
       logical, allocatable :: is_fixed(:, :) !! whether supports bear the shear of a point (n_tangents, n)
       logical, allocatable :: gives_shear(:)
          !! whether the shear at such a point is that of its neighbors' multipliers: of bonded surfaces (n)
-      integer, allocatable :: held_node(:) !! corners that are no points since supports hold them
+      integer, allocatable :: held_node(:)
+         !! corners that are no points since supports hold them; of an `amontons_moved_pair` held nodes of both surfaces
       integer, allocatable :: shared_node(:) !! corners that are no points since they belong to an earlier set
       integer, allocatable :: joined_node(:) !! corners that are no points since they are nodes of the master, too
       integer, allocatable :: open_node(:) !! corners of sides that face nothing

@@ -4,7 +4,8 @@
 !> The functions of the multipliers are the hats of the slave's corners, all of which are points, whether they face the
 !> master or not; the gap of a point is the mean over the same hat. A hat of which the master covers next to nothing
 !> would carry a force over no area: it is added to that of the neighbor. So is the hat of a corner that supports or
-!> rigid sets hold, but on a plane of symmetry: its rows would depend on those of the others.
+!> rigid sets hold, but on a plane of symmetry, where they hold the master as well: its rows would depend on those of
+!> the others.
 module amontons_moved_pair
    use amontons_contact_set, only: pairing_t
    use amontons_error, only: error_t
@@ -31,7 +32,7 @@ contains
       type(pairing_t), intent(in) :: pairing !! the master, and how far gaps may reach
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(error_t), allocatable, intent(out) :: error !! an error of `new_pair_surfaces`
-      logical :: is_master(body%mesh%n_nodes), is_corner(body%mesh%n_nodes)
+      logical, dimension(body%mesh%n_nodes) :: is_master, is_corner, is_held
       integer :: point(body%mesh%n_nodes), i, n, n_components
 
       call new_pair_surfaces(pair, is_master, set, pairing, body, .true., error)
@@ -50,8 +51,9 @@ contains
          allocate (pair%frame(n_components, n_components, n))
          allocate (pair%is_fixed(n_components - 1, n), pair%gives_shear(n), source=.false.)
          pair%is_fixed(1, point(slave%mirrored_node)) = .true.
-         pair%held_node = pack(pair%node, (.not. all(body%constraints%is_free(:2, pair%node), dim=1) .or. &
-            body%constraints%rigid_of(pair%node) > 0) .and. .not. pair%is_fixed(1, :))
+         is_held = .not. all(body%constraints%is_free(:2, :), dim=1) .or. body%constraints%rigid_of > 0
+         is_held([slave%mirrored_node, master%mirrored_node]) = .false.
+         pair%held_node = pack([(i, i=1, size(is_held))], is_held .and. (is_corner .or. is_master))
          allocate (pair%shared_node(0), pair%joined_node(0), pair%open_node(0), &
             pair%idle_side(2, 0))
          pair%end_node = [open_ends(slave, body), open_ends(master, body)]
@@ -139,7 +141,16 @@ contains
             whole(points) = whole(points) + 0.5_dp*length
          end associate
       end do
-      is_held = [(any(pair%held_node == pair%node(p)), p=1, size(pair%node))]
+      is_held = .false.
+      do i = 1, size(pair%segments)
+         associate (segment => pair%segments(i))
+            if (.not. any([(any(pair%held_node == pair%master%side(k, segment%master)), k=1, 2)])) cycle
+            do k = 1, 2
+               p = pair%point_of(k, segment%slave)
+               is_held(p) = is_held(p) .or. any(pair%held_node == pair%node(p))
+            end do
+         end associate
+      end do
       covered = merge(0.0_dp, covered/whole, is_held)
       pair%carrier = [(p, p=1, size(pair%node))]
       do j = 1, 2*pair%slave%n_sides
