@@ -22,7 +22,7 @@ module amontons_sliding
    use amontons_load_family, only: acting_t, load_case_t, load_family_t, obstacle_motion_t
    use amontons_methods, only: solve_components
    use amontons_moved_zone, only: move_zone
-   use amontons_rounding, only: exceeds
+   use amontons_rounding, only: difference_rounding, exceeds
    use amontons_text, only: place_text
    implicit none (type, external)
    private
@@ -98,7 +98,7 @@ contains
       type(contact_t), allocatable :: contacts(:)
       real(dp), allocatable :: old_frame(:, :, :), extra(:)
       real(dp) :: reach
-      logical :: is_near(body%zone%n_points)
+      logical :: is_near(body%zone%n_points), is_settled
       integer :: i, m
 
       m = body%zone%n_points
@@ -139,10 +139,12 @@ contains
             if (allocated(error)) return
             call found%prepend(solution)
             solution = found
-            if (.not. found%is_converged .or. search%change <= settled*search%strain) exit
+            ! Places have the rounding of coordinates.
+            is_settled = search%change <= max(settled*search%strain, difference_rounding*body%size)
+            if (.not. found%is_converged .or. is_settled) exit
          end do
          call now%set(body)
-         solution%is_converged = solution%is_converged .and. search%change <= settled*search%strain
+         solution%is_converged = solution%is_converged .and. is_settled
          solution%displacement = body%zone%rows%displacement(now%moved)
          acting%gap = merge(search%gap + solution%displacement(:m), out_of_reach*body%size, is_near)
          acting%is_in_reach = is_near
