@@ -57,6 +57,19 @@ class Recipes(ProgramTest):
             self.assertEqual(float(before["tangential_force_theta"]), 0.0)
             self.assertGreater(around, abs(force))
 
+    def test_shaft_is_pulled_out_of_its_hub_by_what_is_left_in_it(self):
+        rows, printed = self.table("pull_out", "history")
+        self.assertIn("all solved", printed)
+        interference, b, c, friction, poisson = 0.02, 25.0, 50.0, 0.15, 0.3
+        pressure = 210000.0*interference*(c**2 - b**2)/(2*b*c**2)
+        force = {round(float(row["time"]), 6): float(row["reaction_y_pull"]) for row in rows}
+        # Between two places the ends have no effect. The formula takes the axial stress of the hub as the same over its
+        # section.
+        for first, last in ((11.0, 31.0), (16.0, 36.0)):
+            share = [math.exp(-friction*poisson*(81.0 - time)/b) for time in (first, last)]
+            expected = 2*math.pi*b**2*pressure/poisson*(share[1] - share[0])
+            self.assertAlmostEqual((force[first] - force[last])/expected, 1.0, delta=0.04)
+
     def test_clutch_slips_from_outside_at_the_torque_of_uniform_pressure(self):
         rows, _ = self.table("clutch", "history")
         torque = 2/3*math.pi*0.3*0.25*(100.0**3 - 60.0**3)
