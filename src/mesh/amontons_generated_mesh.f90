@@ -467,7 +467,9 @@ contains
       ! 1024 cells, and more of them the more cells the shorter side has. Half of that leaves room for doubt.
       real(dp), parameter :: node_bytes = 1450.0_dp, factor_bytes = 96.0_dp
       real(dp) :: n_nodes
-      integer :: kind, shape
+      real(dp), allocatable :: height(:)
+      integer, allocatable :: parts(:, :)
+      integer :: i, kind, shape
 
       kind = findloc(element_names(:n_plane_kinds) == rectangle%element, .true., dim=1)
       if (any(.not. rectangle%size > 0.0_dp) .or. any(rectangle%cells < 1) .or. .not. rectangle%grading > 0.0_dp &
@@ -486,12 +488,28 @@ contains
       call check_memory('rectangle: ', n_nodes, node_bytes + factor_bytes*log(1.0_dp + minval(rectangle%cells)) &
          /log(2.0_dp), error)
       if (allocated(error)) return
-      mesh%source = 'rectangle '//short_text(rectangle%size(1))//' x '//short_text(rectangle%size(2))//', '// &
-         to_text(rectangle%cells(1))//' x '//to_text(rectangle%cells(2))//' cells of '//trim(rectangle%element)
-      call place_nodes(mesh, rectangle)
-      call connect_cells(mesh, rectangle, shape)
-      call name_sides(mesh, rectangle%cells)
-      if (kind /= shape) call raise_order(mesh, spread(kind, 1, mesh%n_elements))
+      if (shape == quad4) then
+         parts = spread([1, 2, 3, 4], 2, 2)
+      else
+         ! The diagonal to the right, and to the left.
+         parts = reshape([1, 2, 3, 3, 4, 1, 4, 1, 2, 2, 3, 4], [6, 2])
+         if (rectangle%diagonal == 'right') parts(:, 2) = parts(:, 1)
+         if (rectangle%diagonal == 'left') parts(:, 1) = parts(:, 2)
+      end if
+      call fill_grid(mesh, 'rectangle', rectangle%size, rectangle%cells, kind, parts)
+      associate (nx => rectangle%cells(1), ny => rectangle%cells(2))
+         if (ny > 1 .and. abs(rectangle%grading - 1.0_dp) > 0.0_dp) then
+            ! The heights of the rows are a geometric sequence.
+            allocate (height(0:ny))
+            height(0) = 0.0_dp
+            do i = 1, ny
+               height(i) = height(i - 1) + (rectangle%grading**(1.0_dp/real(ny - 1, dp)))**(i - 1)
+            end do
+            height = height*(rectangle%size(2)/height(ny))
+            mesh%coordinates(2, :) = height([((i - 1)/(nx + 1), i=1, mesh%n_nodes)])
+         end if
+      end associate
+      call raise_order(mesh, spread(kind, 1, mesh%n_elements))
    end subroutine new_rectangle_mesh
 
    !> Makes the mesh of a box, with the boundary sets left, right (along x), front, back (y), bottom and top (z).
@@ -505,9 +523,9 @@ contains
       real(dp), parameter :: node_bytes = 2000.0_dp
       ! The corners of a cell that six tetrahedra have, all around its diagonal, in the orders by which refinement makes
       ! those of smaller cells.
-      integer, parameter :: parts(*, *) = reshape([1, 2, 3, 7, 3, 4, 1, 7, 1, 4, 8, 7, 8, 5, 1, 7, 1, 5, 6, 7, &
-         6, 2, 1, 7], [4, 6])
-      integer :: corner(max_corners), cell, i, kind, shape, steps(3)
+      integer, parameter :: six(*) = [1, 2, 3, 7, 3, 4, 1, 7, 1, 4, 8, 7, 8, 5, 1, 7, 1, 5, 6, 7, 6, 2, 1, 7]
+      integer, allocatable :: parts(:)
+      integer :: i, kind, shape
       real(dp) :: n_nodes
 
       kind = findloc(element_names == box%element, .true., dim=1)
@@ -524,89 +542,50 @@ contains
          call check_memory('box: ', n_nodes, node_bytes, error)
       end if
       if (allocated(error)) return
-      mesh%source = 'box '//short_text(box%size(1))//' x '//short_text(box%size(2))//' x '//short_text(box%size(3))// &
-         ', '//to_text(box%cells(1))//' x '//to_text(box%cells(2))//' x '//to_text(box%cells(3))//' cells of '// &
-         trim(box%element)
-      steps = [1, box%cells(1) + 1, product(box%cells(:2) + 1)]
-      mesh%n_nodes = product(box%cells + 1)
-      allocate (mesh%coordinates(3, mesh%n_nodes))
-      do i = 1, mesh%n_nodes
-         mesh%coordinates(:, i) = box%size*mod((i - 1)/steps, box%cells + 1)/box%cells
-      end do
-      mesh%n_elements = product(box%cells)*merge(1, size(parts, 2), shape == hex8)
-      allocate (mesh%element_kind(mesh%n_elements), source=shape)
-      mesh%node_start = [(1 + n_element_nodes(shape)*i, i=0, mesh%n_elements)]
-      allocate (mesh%node(n_element_nodes(shape)*mesh%n_elements))
-      do cell = 0, product(box%cells) - 1
-         i = 1 + dot_product(steps, mod(cell/[1, box%cells(1), product(box%cells(:2))], box%cells))
-         corner(:4) = i + [0, 1, 1 + steps(2), steps(2)]
-         corner(5:) = corner(:4) + steps(3)
-         if (shape == hex8) then
-            mesh%node(8*cell + 1:8*cell + 8) = corner
-         else
-            mesh%node(24*cell + 1:24*cell + 24) = corner([parts])
-         end if
-      end do
-      call name_sides(mesh, box%cells)
-      if (kind /= shape) call raise_order(mesh, spread(kind, 1, mesh%n_elements))
+      parts = six
+      if (shape == hex8) parts = [(i, i=1, 8)]
+      call fill_grid(mesh, 'box', box%size, box%cells, kind, spread(parts, 2, 2))
+      call raise_order(mesh, spread(kind, 1, mesh%n_elements))
    end subroutine new_box_mesh
 
-   !> Sets the coordinates of the nodes row by row, from the lower left corner.
-   pure subroutine place_nodes(mesh, rectangle)
+   !> Makes the nodes of a rectangle or box, along x, then y, then z, its linear elements and its boundary sets.
+   pure subroutine fill_grid(mesh, noun, lengths, cells, kind, parts)
       type(mesh_t), intent(inout) :: mesh !! the mesh
-      type(rectangle_t), intent(in) :: rectangle !! the rectangle
-      real(dp) :: height(0:rectangle%cells(2)), ratio
-      integer :: i, j, nx, ny
+      character(*), intent(in) :: noun !! what it is called
+      real(dp), intent(in) :: lengths(:) !! its length along each axis (n_dim) [L]
+      integer, intent(in) :: cells(:) !! number of its cells along each axis (n_dim)
+      integer, intent(in) :: kind !! kind of the elements that they are to become
+      integer, intent(in) :: parts(:, :)
+         !! the corners of a cell that its linear elements have, one after the other, of cells of even and odd places
+      character(:), allocatable :: size_text, cell_text
+      integer :: corner(max_corners), place(size(cells)), steps(size(cells)), cell, i, shape
 
-      nx = rectangle%cells(1)
-      ny = rectangle%cells(2)
-      ratio = 1.0_dp
-      if (ny > 1) ratio = rectangle%grading**(1.0_dp/real(ny - 1, dp))
-      height(0) = 0.0_dp
-      do j = 1, ny
-         height(j) = height(j - 1) + ratio**(j - 1)
+      size_text = noun
+      cell_text = ''
+      do i = 1, size(cells)
+         size_text = size_text//trim(merge(' x', '  ', i > 1))//' '//short_text(lengths(i))
+         cell_text = cell_text//trim(merge(' x', ', ', i > 1))//' '//to_text(cells(i))
       end do
-      height = height*(rectangle%size(2)/height(ny))
-      ! Even rows are placed by number, so that no rounding piles up.
-      if (.not. abs(rectangle%grading - 1.0_dp) > 0.0_dp) height = [(rectangle%size(2)*j/ny, j=0, ny)]
-
-      mesh%n_nodes = (nx + 1)*(ny + 1)
-      allocate (mesh%coordinates(2, mesh%n_nodes))
-      do j = 0, ny
-         do i = 0, nx
-            mesh%coordinates(:, 1 + i + j*(nx + 1)) = [rectangle%size(1)*i/nx, height(j)]
-         end do
+      mesh%source = size_text//cell_text//' cells of '//trim(element_names(kind))
+      steps = [(product(cells(:i - 1) + 1), i=1, size(cells))]
+      mesh%n_nodes = product(cells + 1)
+      allocate (mesh%coordinates(size(cells), mesh%n_nodes))
+      do i = 1, mesh%n_nodes
+         mesh%coordinates(:, i) = lengths*mod((i - 1)/steps, cells + 1)/cells
       end do
-   end subroutine place_nodes
-
-   !> Connects the nodes to quadrilaterals, or to two triangles a cell.
-   pure subroutine connect_cells(mesh, rectangle, kind)
-      type(mesh_t), intent(inout) :: mesh !! the mesh, its nodes placed
-      type(rectangle_t), intent(in) :: rectangle !! the rectangle
-      integer, intent(in) :: kind !! kind of the elements
-      integer :: corner(4), i, j, cell, element
-
-      mesh%n_elements = product(rectangle%cells)*merge(2, 1, kind == tri3)
-      allocate (mesh%element_kind(mesh%n_elements), source=kind)
-      mesh%node_start = [(1 + n_element_nodes(kind)*element, element=0, mesh%n_elements)]
-      allocate (mesh%node(n_element_nodes(kind)*mesh%n_elements))
-      cell = 0
-      do j = 1, rectangle%cells(2)
-         do i = 1, rectangle%cells(1)
-            corner(1) = i + (j - 1)*(rectangle%cells(1) + 1)
-            corner(2:4) = corner(1) + [1, rectangle%cells(1) + 2, rectangle%cells(1) + 1]
-            if (kind == quad4) then
-               mesh%node(4*cell + 1:4*cell + 4) = corner
-            else if (rectangle%diagonal == 'right' .or. &
-               (rectangle%diagonal == 'alternating' .and. mod(i + j, 2) == 0)) then
-               mesh%node(6*cell + 1:6*cell + 6) = corner([1, 2, 3, 3, 4, 1])
-            else
-               mesh%node(6*cell + 1:6*cell + 6) = corner([4, 1, 2, 2, 3, 4])
-            end if
-            cell = cell + 1
-         end do
+      shape = corner_kind(kind)
+      mesh%n_elements = product(cells)*size(parts, 1)/n_corners(shape)
+      allocate (mesh%element_kind(mesh%n_elements), source=shape)
+      mesh%node_start = [(1 + n_corners(shape)*i, i=0, mesh%n_elements)]
+      allocate (mesh%node(n_corners(shape)*mesh%n_elements))
+      do cell = 0, product(cells) - 1
+         place = mod(cell/[(product(cells(:i - 1)), i=1, size(cells))], cells)
+         corner(:4) = 1 + dot_product(steps, place) + [0, 1, 1 + steps(2), steps(2)]
+         corner(5:) = corner(:4) + steps(size(steps))
+         mesh%node(size(parts, 1)*cell + 1:size(parts, 1)*(cell + 1)) = corner(parts(:, 1 + mod(sum(place), 2)))
       end do
-   end subroutine connect_cells
+      call name_sides(mesh, cells)
+   end subroutine fill_grid
 
    !> Makes the boundary sets of the sides of a rectangle, which follow each other counter-clockwise around it, or of
    !> the faces of a box.

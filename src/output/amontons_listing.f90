@@ -238,7 +238,7 @@ contains
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       integer :: i, n_free, p, k
-      integer, allocatable :: held(:)
+      integer, allocatable :: held(:), joined(:)
       logical :: is_guided(body%zone%n_points), is_aslant(body%zone%n_points)
       character(4) :: noun
 
@@ -252,25 +252,13 @@ contains
                ' rigid-body modes are not constrained by supports; only contact holds them')
          end if
          held = zone%held_node
-         do i = 1, size(zone%pairs)
-            if (zone%pairs(i)%is_set()) held = [held, zone%pairs(i)%held_node]
+         joined = [(body%ties(i)%joined_node, i=1, size(body%ties))]
+         do i = size(zone%pairs), 1, -1
+            if (.not. zone%pairs(i)%is_set()) cycle
+            held = [held, zone%pairs(i)%held_node]
+            joined = [zone%pairs(i)%joined_node, joined]
          end do
-         text = text//places_text(body%mesh%coordinates(:, held), 'node', &
-            ' is not a contact point: supports hold it', ' are not contact points: supports hold them', units)
-         text = text//places_text(body%mesh%coordinates(:, zone%zero_area_node), 'node', &
-            ' is not a contact point: at the axis it has no area that a pressure could act on', &
-            ' are not contact points: at the axis they have no area that a pressure could act on', units)
-         text = text//places_text(body%mesh%coordinates(:, zone%shared_node), 'node', &
-            ' belongs to two sets: its law is that of a tie, or else of the contact set named first', &
-            ' belong to two sets: their law is that of a tie, or else of the contact set named first', units)
-         do i = 1, size(zone%pairs)
-            if (zone%pairs(i)%is_set()) text = text//joined_text(body%mesh%coordinates(:, zone%pairs(i)%joined_node), &
-               units)
-         end do
-         do i = 1, size(body%ties)
-            text = text//joined_text(body%mesh%coordinates(:, body%ties(i)%joined_node), units)
-         end do
-         ! Notes on contact points whose tangential motion supports prevent or guide.
+         ! Contact points whose tangential motion supports prevent or guide.
          is_guided = all(zone%is_fixed, dim=1)
          is_aslant = .false.
          do p = 1, zone%n_points
@@ -279,12 +267,18 @@ contains
          end do
          is_guided = is_guided .and. .not. is_aslant
          noun = merge('cell', 'node', any(zone%is_cell))
+         associate (x => body%mesh%coordinates)
+            text = text//places_text(x(:, held), 'node', 'no contact point, held by supports', units)// &
+               places_text(x(:, zone%zero_area_node), 'node', &
+               'no contact point: at the axis there is no area that a pressure could act on', units)// &
+               places_text(x(:, zone%shared_node), 'node', &
+               'of two sets, with the law of a tie, or else of the contact set named first', units)// &
+               places_text(x(:, joined), 'node', 'no contact point, of slave and master', units)
+         end associate
          text = text//places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_aslant)), noun, &
-            ' slides without friction: a support that is aslant to the obstacle guides it', &
-            ' slide without friction: a support that is aslant to the obstacle guides them', units)// &
+            'slip without friction, guided by a support that is aslant to the obstacle', units)// &
             places_text(zone%position(:, pack([(p, p=1, zone%n_points)], is_guided)), noun, &
-            ' cannot slide: a support bears its tangential force', &
-            ' cannot slide: a support bears their tangential forces', units)
+            'no slip, since a support bears the tangential force', units)
          if (zone%n_held_cells > 0) text = text//labeled('Note', 'not contact points, since supports hold '// &
             'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
          p = minloc(load_case%gap, dim=1)
@@ -296,22 +290,11 @@ contains
       end associate
    end function notes_text
 
-   !> Notes on the nodes that slave and master of a pair share at an end of the slave.
-   pure function joined_text(positions, units) result(text)
-      real(dp), intent(in) :: positions(:, :) !! the nodes that slave and master share (2, nodes) [L]
-      character(*), intent(in) :: units !! names of the units of the case
-      character(:), allocatable :: text
-
-      text = places_text(positions, 'node', ' is not a contact point: it belongs to slave and master', &
-         ' are not contact points: they belong to slave and master', units)
-   end function joined_text
-
    !> Notes on the positions where a statement holds: one for each or, if there are many, one for all.
-   pure function places_text(places, noun, singular, plural, units) result(text)
-      real(dp), intent(in) :: places(:, :) !! where they are (2, n) [L]
+   pure function places_text(places, noun, statement, units) result(text)
+      real(dp), intent(in) :: places(:, :) !! where they are (n_dim, n) [L]
       character(*), intent(in) :: noun !! noun for one of them
-      character(*), intent(in) :: singular !! the statement on one of them, with a blank before it
-      character(*), intent(in) :: plural !! the statement on all of them, with a blank before it
+      character(*), intent(in) :: statement !! the statement
       character(*), intent(in) :: units !! names of the units of the case
       character(:), allocatable :: text
       integer, parameter :: few = 3
@@ -320,11 +303,12 @@ contains
       text = ''
       if (size(places, 2) > few) then
          text = labeled('Note', counted(size(places, 2), noun)//', the first at '// &
-            with_unit(vector_text(places(:, 1)), units, 'L')//','//plural)
+            with_unit(vector_text(places(:, 1)), units, 'L')//': '//statement)
          return
       end if
       do i = 1, size(places, 2)
-         text = text//labeled('Note', 'the '//noun//' at '//with_unit(vector_text(places(:, i)), units, 'L')//singular)
+         text = text//labeled('Note', 'the '//noun//' at '//with_unit(vector_text(places(:, i)), units, 'L')//': '// &
+            statement)
       end do
    end function places_text
 

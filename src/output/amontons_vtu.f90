@@ -482,13 +482,12 @@ contains
                call vtk%put_spread('PointData', 'slip_vector', 'L', joined(zone%global_vectors([0.0_dp*force(:m), &
                   zone%free_slips(result%solution%displacement(m + 1:))]), 0.0_dp*u(:, line%node)), in_space)
             end associate
-            vtk%scale = maxval([0.0_dp, abs(force)])
-            call vtk%put_spread('PointData', 'force', 'F', joined(-zone%global_vectors(force), &
-               line%forces(zone, force, body%mesh%n_nodes)), in_space)
          else if (line%n_nodes > 0) then
             vtk%scale = maxval(abs(u))
             call vtk%put_spread('PointData', 'jump', 'L', &
                joined(zone%global_vectors(zone%rows%displacement(u)), 0.0_dp*u(:, line%node)), in_space)
+         end if
+         if (line%n_nodes > 0 .or. .not. allocated(zone%line)) then
             vtk%scale = maxval([0.0_dp, abs(force)])
             call vtk%put_spread('PointData', 'force', 'F', &
                joined(-zone%global_vectors(force), line%forces(zone, force, body%mesh%n_nodes)), in_space)

@@ -344,10 +344,10 @@ class Listing(ProgramTest):
             self.assertEqual(row[9], result["status"][i])
 
     def test_node_that_a_support_guides_aslant_is_noted(self):
-        for direction, effect in (("0.0, -1.0", "cannot slide: a support bears its tangential force"),
-                                  ("0.5, -1.0", "slides without friction: a support that is aslant to the obstacle")):
+        for direction, effect in (("0.0, -1.0", "no slip, since a support bears the tangential force"),
+                                  ("0.5, -1.0", "slip without friction, guided by a support that is aslant to")):
             self.solve(block(SUPPORT, PRESSURE, f"{CONTACT}  gap_direction = {direction}"))
-            self.assertIn(f"the node at (0.0, 0.0) {effect}", self.contents()["case.lst"].decode())
+            self.assertIn(f"the node at (0.0, 0.0): {effect}", self.contents()["case.lst"].decode())
 
     def test_a_body_that_touches_nothing_is_noted(self):
         self.solve(block("support set = 'left'  ux = 0.0  uy = 1.0", CONTACT,
