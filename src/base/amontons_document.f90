@@ -184,21 +184,25 @@ contains
       real(dp), intent(in), optional :: scales(:)
          !! scales of the first, second ... number of a line, if larger than these; the last is for the rest; default 0
       logical, intent(in), optional :: is_by_line !! whether the scales are those of the lines; not by default
+      type(part_t) :: part
 
       if (len(text) == 0) return
-      call append(self, text, .false.)
-      self%parts(self%n)%is_by_line = .false.
-      if (present(is_by_line)) self%parts(self%n)%is_by_line = is_by_line
-      self%parts(self%n)%scales = [0.0_dp]
-      if (present(scales)) self%parts(self%n)%scales = scales
+      part%text = text
+      part%scales = [0.0_dp]
+      if (present(scales)) part%scales = scales
+      if (present(is_by_line)) part%is_by_line = is_by_line
+      call append(self, part)
    end subroutine document_add
 
    !> Appends a record of the run that solved the case, such as iterations and times, which cannot be recomputed.
    pure subroutine document_record(self, text)
       class(document_t), intent(inout) :: self !! the document
       character(*), intent(in) :: text !! whole lines
+      type(part_t) :: part
 
-      call append(self, text, .true.)
+      part%text = text
+      part%is_recorded = .true.
+      call append(self, part)
    end subroutine document_record
 
    !> Appends the parts of another document.
@@ -208,22 +212,19 @@ contains
       integer :: i
 
       do i = 1, other%n
-         call append(self, other%parts(i)%text, other%parts(i)%is_recorded)
-         self%parts(self%n) = other%parts(i)
+         call append(self, other%parts(i))
       end do
    end subroutine document_append
 
-   !> Appends lines of text to the document as one part.
-   pure subroutine append(document, text, is_recorded)
+   !> Appends a part to the document.
+   pure subroutine append(document, part)
       class(document_t), intent(inout) :: document !! the document
-      character(*), intent(in) :: text !! its lines
-      logical, intent(in) :: is_recorded !! whether it cannot be computed again from the files
+      type(part_t), intent(in) :: part !! the part
 
       if (.not. allocated(document%parts)) allocate (document%parts(16))
       if (document%n == size(document%parts)) document%parts = [document%parts, document%parts]
       document%n = document%n + 1
-      document%parts(document%n)%text = text
-      document%parts(document%n)%is_recorded = is_recorded
+      document%parts(document%n) = part
    end subroutine append
 
    !> The text of all parts of the document.

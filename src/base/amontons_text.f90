@@ -317,13 +317,19 @@ contains
       end do
    end subroutine read_reals
 
-   !> Appends a piece to the used part of a text whose room grows with it, in a time proportional to the piece.
+   !> Appends a piece to the used part of a text whose room grows with it, in a time proportional to the piece. What `//`
+   !> makes of millions of characters lies on the stack with flang 19.
    pure subroutine append_text(text, length, piece)
       character(:), allocatable, intent(inout) :: text !! the text, and room for more
       integer, intent(inout) :: length !! number of characters in use
       character(*), intent(in) :: piece !! the piece
+      character(:), allocatable :: longer
 
-      if (length + len(piece) > len(text)) text = text//repeat(' ', len(text) + len(piece))
+      if (length + len(piece) > len(text)) then
+         allocate (character(2*(length + len(piece))) :: longer)
+         longer(:length) = text(:length)
+         call move_alloc(longer, text)
+      end if
       call put_text(text, length, piece)
    end subroutine append_text
 
@@ -509,7 +515,6 @@ contains
       ! The first bytes of characters of two bytes, of three and of four, and what is behind them.
       integer, parameter :: firsts(4) = [194, 224, 240, 245]
       integer :: first, second, i
-      logical :: may_follow
 
       width = 0
       if (len(text) == 0) return
@@ -523,19 +528,8 @@ contains
       end if
       ! A character must not be longer than need be, nor half a pair of UTF-16, nor beyond the last character.
       second = iachar(text(2:2))
-      select case (first)
-      case (224)
-         may_follow = second >= 160
-      case (237)
-         may_follow = second < 160
-      case (240)
-         may_follow = second >= 144
-      case (244)
-         may_follow = second < 144
-      case default
-         may_follow = .true.
-      end select
-      if (.not. (may_follow .and. all([(continues(text(i:i)), i=2, width)]))) width = 0
+      if (any([first == 224 .and. second < 160, first == 237 .and. second >= 160, first == 240 .and. second < 144, &
+         first == 244 .and. second >= 144]) .or. .not. all([(continues(text(i:i)), i=2, width)])) width = 0
    end function utf_8_width
 
    !> Whether a byte is a continuation byte of UTF-8.

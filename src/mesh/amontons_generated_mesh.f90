@@ -217,55 +217,50 @@ contains
       type(mesh_t), intent(inout) :: mesh !! the refined mesh, its new nodes anywhere
       type(mesh_t), intent(in) :: parent !! the mesh before
       real(dp), allocatable :: share(:, :, :, :, :)
-      logical :: is_placed(mesh%n_nodes)
+      integer, allocatable :: home(:, :)
       type(parents_t) :: parents
-      integer :: element, pass, part, i, first, last, n, n_parts, order
+      integer :: element, first, i, last, n, node, part, pass
 
-      n_parts = 2**size(mesh%coordinates, 1)
+      ! The element of a new node, the part of it and the place in this where the node occurs first.
+      associate (n_parts => 2**size(mesh%coordinates, 1))
+         allocate (home(3, mesh%n_nodes))
+         do element = mesh%n_elements, 1, -1
+            first = mesh%node_start(element)
+            do i = mesh%node_start(element + 1) - first, 1, -1
+               home(:, mesh%node(first + i - 1)) = [(element - 1)/n_parts + 1, mod(element - 1, n_parts) + 1, i]
+            end do
+         end do
+      end associate
       call find_part_shares(share, parent%element_kind)
-      allocate (parents%start(mesh%n_nodes + 1))
+      n = 0
+      allocate (parents%start(mesh%n_nodes + 1), source=1)
+      if (allocated(parent%parents)) then
+         parents%start(:parent%n_nodes + 1) = parent%parents%start
+         n = size(parent%parents%node)
+      end if
       do pass = 1, 2
-         is_placed = .false.
-         is_placed(:parent%n_nodes) = .true.
          if (pass == 2) then
             ! Behind those of the mesh before.
-            n = 0
-            parents%start(:parent%n_nodes + 1) = 1
-            if (allocated(parent%parents)) then
-               parents%start(:parent%n_nodes + 1) = parent%parents%start
-               n = size(parent%parents%node)
-            end if
-            do i = parent%n_nodes + 1, mesh%n_nodes
-               parents%start(i + 1) = parents%start(i) + parents%start(i + 1)
-            end do
             associate (total => parents%start(mesh%n_nodes + 1) - 1)
                allocate (parents%node(total), parents%weight(total))
             end associate
             if (n > 0) parents%node(:n) = parent%parents%node
             if (n > 0) parents%weight(:n) = parent%parents%weight
          end if
-         do element = 1, parent%n_elements
-            order = part_order(parent, element)
+         do node = parent%n_nodes + 1, mesh%n_nodes
+            element = home(1, node)
+            part = home(2, node)
             associate (kind => parent%element_kind(element), nodes => parent%node(parent%node_start(element): &
                parent%node_start(element + 1) - 1))
-               do part = 1, n_parts
-                  do i = 1, size(nodes)
-                     associate (node => mesh%node(mesh%node_start(n_parts*(element - 1) + part) + i - 1), &
-                        weight => share(:size(nodes), i, part, order, kind))
-                        if (is_placed(node)) cycle
-                        is_placed(node) = .true.
-                        if (pass == 1) then
-                           parents%start(node + 1) = count(abs(weight) > 0.0_dp)
-                           cycle
-                        end if
-                        first = parents%start(node)
-                        last = parents%start(node + 1) - 1
-                        parents%node(first:last) = pack(nodes, abs(weight) > 0.0_dp)
-                        parents%weight(first:last) = pack(weight, abs(weight) > 0.0_dp)
-                        mesh%coordinates(:, node) = matmul(parent%coordinates(:, nodes), weight)
-                     end associate
-                  end do
-               end do
+               associate (weight => share(:size(nodes), home(3, node), part, part_order(parent, element), kind))
+                  first = parents%start(node)
+                  last = first + count(abs(weight) > 0.0_dp) - 1
+                  parents%start(node + 1) = last + 1
+                  if (pass == 1) cycle
+                  parents%node(first:last) = pack(nodes, abs(weight) > 0.0_dp)
+                  parents%weight(first:last) = pack(weight, abs(weight) > 0.0_dp)
+                  mesh%coordinates(:, node) = matmul(parent%coordinates(:, nodes), weight)
+               end associate
             end associate
          end do
       end do

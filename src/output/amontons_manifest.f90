@@ -19,7 +19,7 @@ module amontons_manifest
    use amontons_mesh, only: mesh_t
    use amontons_output_file, only: output_file_t
    use amontons_system, only: absolute_path, checksum_t, file_checksum, file_name_t, text_checksum
-   use amontons_text, only: newline, put_text, to_text, xml_escaped
+   use amontons_text, only: append_text, newline, replaced, to_text, xml_escaped
    implicit none (type, external)
    private
 
@@ -248,21 +248,13 @@ contains
    pure function list_text(list) result(text)
       type(manifest_list_t), intent(in) :: list !! the files
       character(:), allocatable :: text
-      character(:), allocatable :: line, longer
       integer :: i, n
 
-      allocate (character(0) :: text)
+      text = ''
       n = 0
       do i = 1, list%n
-         line = newline//'    {"name": '//json_string(list%files(i)%name)//', "bytes": '// &
-            to_text(list%files(i)%n_bytes)//', "checksum": '//to_text(list%files(i)%checksum)//'},'
-         ! As the list, the text grows by doubling.
-         if (n + len(line) > len(text)) then
-            allocate (character(2*(n + len(line))) :: longer)
-            longer(:n) = text(:n)
-            call move_alloc(longer, text)
-         end if
-         call put_text(text, n, line)
+         call append_text(text, n, newline//'    {"name": '//json_string(list%files(i)%name)//', "bytes": '// &
+            to_text(list%files(i)%n_bytes)//', "checksum": '//to_text(list%files(i)%checksum)//'},')
       end do
       ! There is no comma behind the last one.
       text = text(:max(0, n - 1))
@@ -337,30 +329,13 @@ contains
             if (status /= 0) return
             read (line(at_digits + len(before_digits):index(line, '}', back=.true.) - 1), *, iostat=status) checksum
             if (status /= 0) return
-            call list%append_known(unescaped(line(len(before_name) + 1:at_bytes - 1)), n_bytes, checksum)
+            ! Quotes and backslashes are escaped by a backslash.
+            call list%append_known(replaced(replaced(line(len(before_name) + 1:at_bytes - 1), '\"', '"'), '\\', '\'), &
+               n_bytes, checksum)
             first = first + len(line) + 1
          end associate
       end do
    end subroutine read_list
-
-   !> The text of a JSON string that `json_string` has made.
-   pure function unescaped(literal) result(text)
-      character(*), intent(in) :: literal !! the string, without the quotes around it
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ''
-      i = 1
-      do while (i <= len(literal))
-         if (literal(i:i) == '\' .and. i < len(literal)) then
-            i = i + 1
-            text = text//merge(achar(9), literal(i:i), literal(i:i) == 't')
-         else
-            text = text//literal(i:i)
-         end if
-         i = i + 1
-      end do
-   end function unescaped
 
    !> Finds the files of an earlier run that are to be removed.
    subroutine find_earlier_files(files, directory, name, manifest)
@@ -383,7 +358,7 @@ contains
             slash = index(file%name, '/', back=.true.)
             is_of_case = index(file%name, name//'.') == 1 .and. slash == 0 .or. &
                file%name(:slash) == name//'.sweep/' .or. file%name(:slash) == name//'.history/'
-            if (.not. is_of_case .or. is_among(manifest%outputs, file%name)) cycle
+            if (.not. is_of_case .or. any([(manifest%outputs%files(k)%name == file%name, k=1, manifest%outputs%n)])) cycle
             ! What has changed since, or the new run has read, is kept.
             path = directory//'/'//file%name
             is_removable = len(file%fault(path)) == 0
@@ -397,19 +372,6 @@ contains
       end do
       files = files(:n)
    end subroutine find_earlier_files
-
-   !> Whether a name is among those of a list.
-   pure logical function is_among(list, name)
-      type(manifest_list_t), intent(in) :: list !! the list
-      character(*), intent(in) :: name !! the name
-      integer :: i
-
-      is_among = .true.
-      do i = 1, list%n
-         if (len(list%files(i)%name) == len(name) .and. list%files(i)%name == name) return
-      end do
-      is_among = .false.
-   end function is_among
 
    !> The lines of a case in a collection.
    pure function case_entries(time, stem) result(lines)

@@ -16,7 +16,7 @@ module amontons_checkpoint
    use amontons_output_file, only: adopt_file, file_lock_t, lock_file, output_file_t
    use amontons_system, only: append_to_file, checksum_t, cut_file, file_checksum, remove_file, text_checksum, &
       wall_seconds
-   use amontons_text, only: comma_separated, newline, read_reals, replaced, to_text
+   use amontons_text, only: append_text, comma_separated, newline, read_reals, replaced, to_text
    implicit none (type, external)
    private
 
@@ -244,30 +244,13 @@ contains
       text = ' '//to_text(text_checksum(line))
    end function checksum_of
 
-   !> Appends to a text. It may have millions of characters; what `//` makes of them lies on the stack with flang 19.
-   pure subroutine extend(text, end)
-      character(:), allocatable, intent(inout) :: text !! the text
-      character(*), intent(in) :: end !! what is appended
-      character(:), allocatable :: longer
-
-      allocate (character(len(text) + len(end)) :: longer)
-      longer(:len(text)) = text
-      longer(len(text) + 1:) = end
-      call move_alloc(longer, text)
-   end subroutine extend
-
    !> Adds rows to a table; they are written by the next save.
    pure subroutine checkpoint_add_rows(self, number, rows)
       class(checkpoint_t), intent(inout) :: self !! the checkpoint
       integer, intent(in) :: number !! number of the table, in the order in which they were added
       character(*), intent(in) :: rows !! the rows, lines of text
 
-      associate (table => self%tables(number))
-         if (table%length + len(rows) > len(table%rows)) table%rows = table%rows(:table%length) &
-            //repeat(' ', table%length + len(rows))
-         table%rows(table%length + 1:table%length + len(rows)) = rows
-         table%length = table%length + len(rows)
-      end associate
+      call append_text(self%tables(number)%rows, self%tables(number)%length, rows)
    end subroutine checkpoint_add_rows
 
    !> The rows of a table that are not on the disk yet.
@@ -297,7 +280,7 @@ contains
       type(error_t), allocatable, intent(out) :: error !! the files cannot be written
       character(:), allocatable :: line, checksums
       integer(int64) :: found
-      integer :: i
+      integer :: i, length
 
       line = ''
       checksums = ''
@@ -320,10 +303,11 @@ contains
       end do
       ! The first number, which counts what is done, is written as a whole number.
       line = line//to_text(nint(progress%numbers(1)))//' '
-      call extend(line, comma_separated(progress%numbers(2:progress%n)))
-      call extend(line, checksums)
-      call extend(line, checksum_of(line)//line_end)
-      call append_to_file(self%path, .false., line, error)
+      length = len(line)
+      call append_text(line, length, comma_separated(progress%numbers(2:progress%n)))
+      call append_text(line, length, checksums)
+      call append_text(line, length, checksum_of(line(:length))//line_end)
+      call append_to_file(self%path, .false., line(:length), error)
       self%last_save = wall_seconds()
    end subroutine checkpoint_save
 

@@ -20,10 +20,9 @@ module amontons_verify
 
    public :: find_cases, verdict_t, verify_files
 
-   character(*), parameter :: summary_suffix = '.summary.json'
-   !> Suffixes of the files of a case, by which a case without a summary is found.
-   character(12), parameter :: other_suffixes(*) = [character(12) :: '.deck.nml', '.contact.csv', '.contact.vtu', &
-      '.sweep.csv']
+   !> Suffixes of the files of a case: that of its summary, and those by which a case without one is found.
+   character(13), parameter :: suffixes(*) = [character(13) :: '.summary.json', '.deck.nml', '.contact.csv', &
+      '.contact.vtu', '.sweep.csv']
 
    !> The verdict on the files of a case.
    type :: verdict_t
@@ -47,12 +46,9 @@ contains
       if (allocated(error)) return
       allocate (names(size(files)))
       n = 0
-      do i = 1, size(files)
-         call claim(names, n, files(i)%text, summary_suffix)
-      end do
-      do i = 1, size(files)
-         do k = 1, size(other_suffixes)
-            call claim(names, n, files(i)%text, trim(other_suffixes(k)))
+      do k = 1, size(suffixes)
+         do i = 1, size(files)
+            call claim(names, n, files(i)%text, trim(suffixes(k)))
          end do
       end do
       names = names(:n)
@@ -94,8 +90,8 @@ contains
 
       case%stem = directory//'/'//name
       verdict%remark = ''
-      call read_summary(manifest, case%summary, case%stem//summary_suffix, fault)
-      call case%fault(summary_suffix, fault)
+      call read_summary(manifest, case%summary, case%stem//suffixes(1), fault)
+      call case%fault(suffixes(1), fault)
       call manifest%outputs%check(case%faults, directory//'/')
       call manifest%inputs%check(case%faults, '')
       if (allocated(case%summary)) then
