@@ -317,8 +317,8 @@ contains
       end do
    end subroutine read_reals
 
-   !> Appends a piece to the used part of a text whose room grows with it, in a time proportional to the piece. What `//`
-   !> makes of millions of characters lies on the stack with flang 19.
+   !> Appends a piece to the used part of a text whose room grows with it, in a time proportional to the piece. What
+   !> `//` makes of millions of characters lies on the stack with flang 19.
    pure subroutine append_text(text, length, piece)
       character(:), allocatable, intent(inout) :: text !! the text, and room for more
       integer, intent(inout) :: length !! number of characters in use

@@ -358,7 +358,8 @@ contains
             slash = index(file%name, '/', back=.true.)
             is_of_case = index(file%name, name//'.') == 1 .and. slash == 0 .or. &
                file%name(:slash) == name//'.sweep/' .or. file%name(:slash) == name//'.history/'
-            if (.not. is_of_case .or. any([(manifest%outputs%files(k)%name == file%name, k=1, manifest%outputs%n)])) cycle
+            if (.not. is_of_case) cycle
+            if (any([(manifest%outputs%files(k)%name == file%name, k=1, manifest%outputs%n)])) cycle
             ! What has changed since, or the new run has read, is kept.
             path = directory//'/'//file%name
             is_removable = len(file%fault(path)) == 0
