@@ -100,6 +100,7 @@ module amontons_deck_visitor
    !> A deck that is written.
    type, extends(deck_visitor_t) :: deck_writer_t
       logical :: is_shared_only = .false. !! whether only what decks that share a factorization agree in is written
+      logical :: shows_all = .false. !! whether keys without a value are shown, too
       character(:), allocatable :: written !! the groups written so far
       character(:), allocatable, private :: line !! the last line of the group being written; empty before its first key
    contains
@@ -454,6 +455,9 @@ contains
       character(:), allocatable :: kind, range
       logical :: is_written
 
+      is_written = all(key%includes(values)) .and. .not. (key%is_nonzero .and. all(abs(values) <= 0.0_dp))
+      if (present(is_given)) is_written = is_given
+      if (.not. (is_written .or. self%shows_all)) return
       kind = key%noun()
       if (size(values) /= 1) kind = kind//'s'
       if (key%is_vector) then
@@ -467,8 +471,6 @@ contains
       if (key%is_nonzero) range = trim(merge(', not both 0', ', not 0     ', size(values) == 2 &
          .and. .not. key%is_vector))
       if (key%is_ascending) range = range//', ascending'
-      is_written = all(key%includes(values)) .and. .not. (key%is_nonzero .and. all(abs(values) <= 0.0_dp))
-      if (present(is_given)) is_written = is_given
       call self%write_key(key, kind//range, key%numbers(values), is_written .and. size(values) > 0)
    end subroutine writer_reals
 
@@ -546,6 +548,7 @@ contains
       type(group_t), intent(in) :: group !! the group
 
       self%group = group
+      self%shows_all = .true.
       if (len(self%written) > 0) call self%write(newline//newline)
       call self%write('### `&'//trim(group%name)//'`'//trim(merge(' (may be repeated)', '                  ', &
          group%is_repeatable))//newline//newline//'| key | value | unit | default | meaning |'//newline// &

@@ -71,11 +71,12 @@ contains
       logical, intent(in) :: is_given !! whether it has this value
       character(:), allocatable :: item
 
+      if (.not. is_given) return
       item = ', '//trim(key%name)//' '//value
       ! Units of length and force can be named.
-      if (verify(trim(key%unit), 'LF/²³') == 0) item = trim(item//' '//unit_of(self%units, &
+      if (len(self%units) > 0 .and. verify(trim(key%unit), 'LF/²³') == 0) item = trim(item//' '//unit_of(self%units, &
          replaced(replaced(trim(key%unit), '²', '^2'), '³', '^3')))
-      if (is_given .and. index(self%usual, item//',') == 0 .and. key%default /= '`'//value//'`') self%written = &
+      if (index(self%usual, item//',') == 0 .and. key%default /= '`'//value//'`') self%written = &
          self%written//item
       associate (unused => kind)
       end associate
