@@ -155,7 +155,8 @@ contains
    !=   its displacement there
    !=contact.csv `normal_force` | F | $\lambda_N$, compression positive
    !=contact.csv `tangential_force` | F | $\lambda_T$, with the sign of the slip; 0 where a support bears it
-   !=contact.csv `contact_pressure` | F/L² | normal force over tributary area, or over the area of the cell
+   !=contact.csv `contact_pressure` | F/L² | normal force over tributary area, or over the area of the cell; of a pair
+   !=   with `sliding = 'finite'` that on the node, which is smoother than the multiplier
    !=contact.csv `contact_shear` | F/L² | tangential force over the same area
    !=contact.csv `slip_theta`, `tangential_force_theta`, `contact_shear_theta` | L, F, F/L² | of a twisted body: the
    !=   same around the axis
@@ -165,6 +166,9 @@ contains
    !=   obstacle the mean of the point's nodes
    !=contact.csv `pair` | | with a pair: `SLAVE/MASTER`, the two sets, with a semicolon for each comma; with a rigid
    !=   obstacle the set
+   !=contact.csv `place_x`, `place_y`, `turn` | L, L, rad | with `sliding = 'finite'`: where the node is at the end, and the
+   !=   angle by which the normal has turned since rest; normals, weights, areas and places on the master are those at
+   !=   the end, too
    !=contact.csv `z`, `normal_z`, `area`, `master_z` | L, –, L², L | of a solid; `area` for `weight`: tributary area
    !=contact.csv `slip_x`, `slip_y`, `slip_z` | L | of a solid: the slip as a vector; `slip` is its length
    !=contact.csv `force_x`, `force_y`, `force_z` | F | of a solid: force of the obstacle on the body;
@@ -180,6 +184,7 @@ contains
          slip_scales(size(slip_keys))
       character, parameter :: axes(3) = ['x', 'y', 'z']
       real(dp), dimension(body%zone%n_points) :: slip, shear
+      real(dp), allocatable :: nodal(:), place(:, :)
       integer :: i, n
       logical :: in_space
 
@@ -195,6 +200,7 @@ contains
             1.0e-6_dp*maxval(abs(zone%position)))
          n = size(zone%position, 1)
          in_space = n == 3
+         nodal = zone%nodal_forces(force)
          slip = motion(:m)
          shear = force(m + 1:2*m)
          if (in_space) slip = tangential_norm(motion, m)
@@ -212,8 +218,10 @@ contains
          call add('normal_force', 'normal force', 'F', force(:m), 0.0_dp)
          ! In space shear is a part of vectors, and has their rounding errors.
          call add('tangential_force', 'tang. force', 'F', shear, merge(maxval(abs(force)), 0.0_dp, in_space))
-         call add('contact_pressure', 'pressure', 'F/L^2', force(:m)/zone%area, 0.0_dp, .true.)
-         call add('contact_shear', 'shear', 'F/L^2', shear/zone%area, merge(maxval(abs(force(:m)/zone%area)), &
+         call add('contact_pressure', 'pressure', 'F/L^2', nodal(:m)/zone%area, 0.0_dp, .true.)
+         shear = nodal(m + 1:2*m)
+         if (in_space) shear = tangential_norm(nodal(m + 1:), m)
+         call add('contact_shear', 'shear', 'F/L^2', shear/zone%area, merge(maxval(abs(nodal(:m)/zone%area)), &
             0.0_dp, in_space), .true.)
          if (in_space) then
             at_points = reshape(zone%global_vectors([0.0_dp*slip, motion]), shape(at_points))
@@ -235,6 +243,14 @@ contains
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
          if (has_pairs(zone) .and. in_space) call add('master_z', '', 'L', zone%foot(3, :), maxval(abs(zone%position)))
+         if (body%slides_far) then
+            place = zone%position + result%displacement(:n, zone%rows%node(zone%rows%start(:m)))
+            do i = 1, n
+               call add('place_'//axes(i), 'place '//axes(i), 'L', place(i, :), maxval(abs(zone%position)) + length)
+            end do
+            call add('turn', 'turn', '', [(angle_between(body%zone_at_rest%normal(i), zone%normal(i)), i=1, m)], &
+               1.0_dp, .true.)
+         end if
          ! Works and integrals of a load history have rounding errors of forces, which are known to about 1e-10 of the
          ! largest one, where numbers agree to 1e-8 of their scale.
          associate (pressure => maxval(abs(force(:m)/zone%area)))
@@ -248,6 +264,14 @@ contains
       end do
 
    contains
+
+      !> The angle between two unit vectors [rad].
+      pure real(dp) function angle_between(a, b) result(angle)
+         real(dp), intent(in) :: a(:) !! the first (n_dim) [-]
+         real(dp), intent(in) :: b(:) !! the second (n_dim) [-]
+
+         angle = 2.0_dp*asin(min(1.0_dp, 0.5_dp*norm2(a - b)))
+      end function angle_between
 
       !> Adds a column to the table.
       subroutine add(key, label, dimension, values, scale, is_field)

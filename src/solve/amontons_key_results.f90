@@ -371,6 +371,7 @@ contains
       real(dp), intent(in), optional :: motion(:) !! motion of the obstacles since rest; default none (n_rows - m) [L]
       type(quantity_t), allocatable :: list(:)
       real(dp) :: area(body%zone%n_points), slip(body%zone%n_rows - body%zone%n_points), scale, extent
+      real(dp) :: nodal(body%zone%n_rows)
       integer :: i, m
 
       m = body%zone%n_points
@@ -381,8 +382,9 @@ contains
       if (present(motion)) slip = slip - motion
       associate (zone => body%zone, force => solution%force, status => solution%status)
          area = merge(zone%area, 1.0_dp, zone%area > 0.0_dp)
-         list(1) = peak('max_contact_pressure', 'Max. pressure', force(:m)/area, zone%position, 0.0_dp, 'F/L^2')
-         list(2) = peak('max_contact_shear', 'Max. shear', tangential_norm(force(m + 1:), m)/area, zone%position, &
+         nodal = zone%nodal_forces(force)
+         list(1) = peak('max_contact_pressure', 'Max. pressure', nodal(:m)/area, zone%position, 0.0_dp, 'F/L^2')
+         list(2) = peak('max_contact_shear', 'Max. shear', tangential_norm(nodal(m + 1:), m)/area, zone%position, &
             list(1)%value, 'F/L^2')
          ! The slip of what sticks is a rounding error, if not of what has moved then of what forces of this size move.
          extent = body%size/maxval(body%materials%list%young(1))

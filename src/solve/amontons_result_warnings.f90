@@ -69,6 +69,7 @@ contains
       ! Depth of a corner of an obstacle between two nodes, over the largest displacement.
       real(dp), parameter :: badly_resolved(2) = 0.2_dp
       integer, allocatable :: reached(:)
+      real(dp), allocatable :: nodal(:)
       integer :: peak, i, first
       type(overlap_t) :: corner
 
@@ -93,7 +94,8 @@ contains
                ' closed: the mesh is too coarse for the pressure there'//error_clause(result, body, is_closed)// &
                '; refine it there, or see with --refine 2 what converges')
          else if (zone%n_points > 2) then
-            associate (pressure => result%solution%force(:zone%n_points)/zone%area)
+            nodal = zone%nodal_forces(result%solution%force)
+            associate (pressure => nodal(:zone%n_points)/zone%area)
                peak = jump_at(zone, pressure)
                ! The pressure grows at an end because the set ends there, not because the mesh is coarse.
                if (peak > 0 .and. .not. is_at_end(body, reached, peak)) then
@@ -326,6 +328,7 @@ contains
       real(dp), intent(in) :: gap(:) !! distances of the points before any displacement (m) [L]
       type(contact_solution_t), intent(in) :: solution !! the solution
       integer, allocatable :: reached(:)
+      real(dp), allocatable :: nodal(:)
       integer :: m, peak
 
       m = body%zone%n_points
@@ -334,12 +337,13 @@ contains
       is_raised(1) = .not. body%slides_far .and. exceeds(maxval(hypot(solution%displacement(:m), &
          tangential_norm(solution%displacement(m + 1:), m))), large_displacement*size_of_body)
       is_raised(2:3) = lacks_points(solution%status)
-      is_raised(5) = exceeds(maxval(solution%force(:m)/body%zone%area), &
+      nodal = body%zone%nodal_forces(solution%force)
+      is_raised(5) = exceeds(maxval(nodal(:m)/body%zone%area), &
          large_strain*maxval(body%materials%list%young(1)))
       reached = body%free_boundary%reached_ends(contacts, body%mesh%coordinates, gap, solution%status)
       is_raised(end_of_set) = size(reached) > 0
       if (m <= 2 .or. any(is_raised(2:3))) return
-      peak = jump_at(body%zone, solution%force(:m)/body%zone%area)
+      peak = jump_at(body%zone, nodal(:m)/body%zone%area)
       is_raised(4) = peak > 0 .and. .not. is_at_end(body, reached, peak)
    end subroutine find_case_warnings
 

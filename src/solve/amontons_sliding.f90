@@ -38,7 +38,8 @@ module amontons_sliding
    !> Number of searches that choose which hats are slivers; later ones keep the choice, which could alternate.
    integer, parameter :: n_choices = 3
 
-   !> Change of the places from which on they count as found, over the largest displacement by contact forces [-].
+   !> Change of the places from which on they count as found, over the largest displacement by contact forces; the next
+   !> one is smaller by the share that pressures are of the modulus [-].
    real(dp), parameter :: settled = 1.0e-9_dp
 
    !> The nodes of the contact sets at a time.
@@ -312,7 +313,7 @@ contains
             if (present(begin)) then
                if (allocated(begin%motions)) before = begin%motions(zone%set(p))
             end if
-            moved = before
+            moved = obstacle_motion_t()
             if (allocated(acting%motions)) moved = acting%motions(zone%set(p))
          end if
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1

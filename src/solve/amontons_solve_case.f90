@@ -133,7 +133,8 @@ contains
          !! mesh, sets, supports, contacts or loads are invalid, or there is no equilibrium
 
       call prepare_case(cache, config, result, error)
-      if (.not. allocated(error)) call check_balance(cache%body, result%load_case, error)
+      if (allocated(error) .or. cache%body%slides_far) return
+      call check_balance(cache%body, result%load_case, error)
    end subroutine prepare_single_case
 
    !> Makes an error that means no equilibrium the outcome of a case: it is an answer and has files.
@@ -410,7 +411,7 @@ contains
       call new_timings(result%timings)
       call new_load_case(result%load_case, body, supports, contacts, loads, error)
       if (allocated(error)) return
-      call check_balance(body, result%load_case, error)
+      if (.not. body%slides_far) call check_balance(body, result%load_case, error)
       if (allocated(error)) return
       call add_model_warnings(result%warnings, body, result%load_case)
       if (.not. allocated(problem%load)) then

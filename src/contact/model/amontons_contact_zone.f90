@@ -73,6 +73,7 @@ module amontons_contact_zone
       procedure :: free_slips => contact_zone_free_slips
       procedure :: global_vectors => contact_zone_global_vectors
       procedure :: last_own_part => contact_zone_last_own_part
+      procedure :: nodal_forces => contact_zone_nodal_forces
       procedure :: normal => contact_zone_normal
       procedure :: own_nodes => contact_zone_own_nodes
    end type contact_zone_t
@@ -282,6 +283,50 @@ contains
 
       normal = self%frame(:size(normal), 1, point)
    end function contact_zone_normal
+
+   !> The contact forces on the nodes of the points, along their normals and tangents. Of pairs that slide far these are
+   !> other numbers than the multipliers, whose functions are hats: over the areas they are the smoother pressures
+   !> (n_rows) [F].
+   pure function contact_zone_nodal_forces(self, force) result(nodal)
+      class(contact_zone_t), intent(in) :: self !! the contact points
+      real(dp), intent(in) :: force(:) !! the multipliers (lambda_N; lambda_T) (n_rows) [F]
+      real(dp) :: nodal(size(force))
+      real(dp) :: vectors(1 + self%n_tangents, self%n_points), share
+      integer :: of_node(2, 0:maxval([0, self%rows%node])), i, k, p, set
+
+      nodal = force
+      do set = 1, size(self%pairs)
+         if (.not. allocated(self%pairs(set)%carrier)) cycle
+         associate (pair => self%pairs(set), first => findloc(self%set, set, dim=1) - 1)
+            ! The points of each node; a middle node counts half for either corner of its side.
+            of_node = 0
+            do i = 1, pair%slave%n_sides
+               associate (points => first + pair%point_of(:, i))
+                  of_node(:, min(ubound(of_node, 2), pair%slave%side(3, i))) = points
+                  do k = 1, 2
+                     if (pair%slave%side(k, i) <= ubound(of_node, 2)) of_node(:, pair%slave%side(k, i)) = points(k)
+                  end do
+               end associate
+            end do
+            of_node(:, 0) = 0
+            vectors = 0.0_dp
+            do p = first + 1, first + size(pair%node)
+               do i = self%rows%start(p), self%rows%start(p + 1) - 1
+                  share = dot_product(self%rows%block(:, 1, i), self%frame(:, 1, p))
+                  do k = 1, 2
+                     associate (q => of_node(k, self%rows%node(i)))
+                        if (q > 0) vectors(:, q) = vectors(:, q) + 0.5_dp*share*matmul(self%frame(:, :, p), &
+                           force(p::self%n_points))
+                     end associate
+                  end do
+               end do
+            end do
+            do p = first + 1, first + size(pair%node)
+               nodal(p::self%n_points) = matmul(vectors(:, p), self%frame(:, :, p))
+            end do
+         end associate
+      end do
+   end function contact_zone_nodal_forces
 
    !> The nodes whose unknowns contribute to the displacements of the points.
    pure function contact_zone_own_nodes(self, substitution) result(own)
@@ -620,10 +665,10 @@ contains
       points%foot = integrals%foot
       points%weight = integrals%length
       points%area = integrals%area
-      ! Where it faces nothing a point has the area of its node.
+      ! Where it faces nothing a point has the area of its node, on an axis any other.
       whole(pair%patch%node) = pair%patch%weight
       where (.not. integrals%area > 0.0_dp) points%weight = whole(pair%node)
-      whole(pair%patch%node) = pair%patch%area
+      whole(pair%patch%node) = merge(pair%patch%area, maxval(pair%patch%area), pair%patch%area > 0.0_dp)
       where (.not. integrals%area > 0.0_dp) points%area = whole(pair%node)
       points%rows = integrals%rows
       points%quadrature = integrals%quadrature

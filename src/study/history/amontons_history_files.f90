@@ -407,7 +407,7 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(time_stepping_t), intent(in) :: stepping !! the time stepping at the end of the step
       character(:), allocatable :: rows, start, lines(:)
-      real(dp), allocatable :: record(:, :), forces(:, :), slips(:, :)
+      real(dp), allocatable :: record(:, :), forces(:, :), slips(:, :), nodal(:), shears(:, :)
       real(dp) :: gap(body%zone%n_points)
       integer :: p, m, n, length
 
@@ -422,6 +422,9 @@ contains
          n = merge(1, zone%n_tangents, size(zone%position, 1) == 3)
          slips = reshape(state%solution%displacement(m + 1:) - state%instant%motion, [m, zone%n_tangents])
          forces = reshape(state%solution%force(m + 1:), shape(slips))
+         nodal = zone%nodal_forces(state%solution%force)
+         shears = reshape(nodal(m + 1:), shape(slips))
+         if (n < zone%n_tangents) shears = reshape(tangential_norm([shears], m), [m, 1])
          if (n < zone%n_tangents) then
             forces = reshape([tangential_norm([forces], m), -transpose(zone%global_vectors(state%solution%force))], &
                [m, 4])
@@ -432,7 +435,7 @@ contains
             length = len(start)
             call put_integer(lines(p), length, p)
             call put_decimals(lines(p), length, [zone%position(:, p), zone%area(p), state%solution%force(p), &
-               forces(p, :), state%solution%force(p)/zone%area(p), forces(p, :n)/zone%area(p), gap(p), slips(p, :), &
+               forces(p, :), nodal(p)/zone%area(p), shears(p, :)/zone%area(p), gap(p), slips(p, :), &
                record(p, :)])
             lines(p)(length + 1:) = ','//status_names(state%solution%status(p))
          end do
