@@ -166,8 +166,8 @@ contains
    !=   obstacle the mean of the point's nodes
    !=contact.csv `pair` | | with a pair: `SLAVE/MASTER`, the two sets, with a semicolon for each comma; with a rigid
    !=   obstacle the set
-   !=contact.csv `place_x`, `place_y`, `turn` | L, L, rad | with `sliding = 'finite'`: where the node is at the end, and the
-   !=   angle by which the normal has turned since rest; normals, weights, areas and places on the master are those at
+   !=contact.csv `place_x`, `place_y`, `turn` | L, L, rad | with `sliding = 'finite'`: where the node is at the end, and
+   !=   the angle by which the normal has turned since rest; normals, weights, areas and places on the master are those at
    !=   the end, too
    !=contact.csv `z`, `normal_z`, `area`, `master_z` | L, –, L², L | of a solid; `area` for `weight`: tributary area
    !=contact.csv `slip_x`, `slip_y`, `slip_z` | L | of a solid: the slip as a vector; `slip` is its length
@@ -184,7 +184,7 @@ contains
          slip_scales(size(slip_keys))
       character, parameter :: axes(3) = ['x', 'y', 'z']
       real(dp), dimension(body%zone%n_points) :: slip, shear
-      real(dp), allocatable :: nodal(:), place(:, :)
+      real(dp), allocatable :: nodal(:)
       integer :: i, n
       logical :: in_space
 
@@ -243,14 +243,7 @@ contains
          if (has_pairs(zone)) call add('master_x', '', 'L', zone%foot(1, :), maxval(abs(zone%position)))
          if (has_pairs(zone)) call add('master_y', '', 'L', zone%foot(2, :), maxval(abs(zone%position)))
          if (has_pairs(zone) .and. in_space) call add('master_z', '', 'L', zone%foot(3, :), maxval(abs(zone%position)))
-         if (body%slides_far) then
-            place = zone%position + result%displacement(:n, zone%rows%node(zone%rows%start(:m)))
-            do i = 1, n
-               call add('place_'//axes(i), 'place '//axes(i), 'L', place(i, :), maxval(abs(zone%position)) + length)
-            end do
-            call add('turn', 'turn', '', [(angle_between(body%zone_at_rest%normal(i), zone%normal(i)), i=1, m)], &
-               1.0_dp, .true.)
-         end if
+         if (body%slides_far) call add_places()
          ! Works and integrals of a load history have rounding errors of forces, which are known to about 1e-10 of the
          ! largest one, where numbers agree to 1e-8 of their scale.
          associate (pressure => maxval(abs(force(:m)/zone%area)))
@@ -264,6 +257,21 @@ contains
       end do
 
    contains
+
+      !> Adds where the points are at the end, and by which angle their normals have turned.
+      subroutine add_places()
+         real(dp) :: place(size(body%zone%position, 1), body%zone%n_points)
+         integer :: p
+
+         associate (zone => body%zone)
+            place = zone%position + result%displacement(:n, zone%rows%node(zone%rows%start(:zone%n_points)))
+            do i = 1, n
+               call add('place_'//axes(i), 'place '//axes(i), 'L', place(i, :), maxval(abs(zone%position)) + length)
+            end do
+            call add('turn', 'turn', '', [(angle_between(body%zone_at_rest%normal(p), zone%normal(p)), &
+               p=1, zone%n_points)], 1.0_dp, .true.)
+         end associate
+      end subroutine add_places
 
       !> The angle between two unit vectors [rad].
       pure real(dp) function angle_between(a, b) result(angle)

@@ -283,7 +283,7 @@ contains
             'their nodes: '//counted(zone%n_held_cells, 'cell')//' of constant multipliers')
          p = minloc(load_case%gap, dim=1)
          if (p == 0) return
-         if (.not. load_case%gap(p) < 0.0_dp) return
+         if (body%slides_far .or. .not. load_case%gap(p) < 0.0_dp) return
          text = text//labeled('Note', trim(merge('the bodies overlap            ', 'the body overlaps the obstacle', &
             zone%pairs(zone%set(p))%is_set()))//' by up to '//with_unit(short_text(-load_case%gap(p)), units, 'L')// &
             ' at the start')

@@ -344,7 +344,7 @@ contains
       lengths = [mean_length(pair%slave, pair%segments%slave), mean_length(pair%master, pair%segments%master)]
    end function facing_lengths
 
-   !> Mean length of some sides of a surface [L].
+   !> Mean length of some sides of a surface, of all for none [L].
    pure real(dp) function mean_length(surface, sides)
       type(surface_t), intent(in) :: surface !! the surface
       integer, intent(in) :: sides(:) !! numbers of the sides, each any number of times
@@ -352,6 +352,7 @@ contains
 
       is_met = .false.
       is_met(sides) = .true.
+      if (size(sides) == 0) is_met = .true.
       mean_length = sum(norm2(surface%corner(:, 2, :) - surface%corner(:, 1, :), dim=1), mask=is_met)/count(is_met)
    end function mean_length
 

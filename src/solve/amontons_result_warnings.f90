@@ -379,11 +379,11 @@ contains
       ! Strains of displacements so much larger keep fewer than ten of 16 digits.
       real(dp), parameter :: far = 1.0e6_dp
       character(:), allocatable :: travel
-      real(dp) :: strain, distance
+      real(dp) :: strain, turn, distance
       integer :: at
 
       if (.not. result%condition > 0.0_dp) return
-      call find_largest_strain(body%mesh, result%displacement, strain, at)
+      call find_largest_strain(body%mesh, result%displacement, strain, turn, at)
       distance = maxval(norm2(result%displacement, dim=1))
       travel = ''
       if (distance > far*strain*body%size) travel = '; the body moves by '// &
@@ -398,7 +398,7 @@ contains
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
-      real(dp) :: strain, largest
+      real(dp) :: strain, turn, largest
       integer :: node, at
 
       largest = maxval(norm2(displacement, dim=1))
@@ -406,7 +406,10 @@ contains
          'displacement of '//warnings%number(largest, 'L')//', '// &
          percent(largest/body%size)//" of the body's size; the theory is for small displacements (up to "// &
          percent(large_displacement)//'); check units, loads and moduli')
-      call find_largest_strain(body%mesh, displacement, strain, at)
+      call find_largest_strain(body%mesh, displacement, strain, turn, at)
+      if (body%slides_far .and. exceeds(turn, large_displacement)) call warnings%add('a turn of '// &
+         warnings%number(turn, '')//" rad: with sliding = 'finite' bodies move any way, but the theory is for "// &
+         'small turns of them (up to '//warnings%number(large_displacement, '')//' rad)')
       if (body%is_axisymmetric) then
          do node = 1, body%mesh%n_nodes
             associate (radius => body%mesh%coordinates(1, node), widening => abs(displacement(1, node)))
@@ -421,17 +424,20 @@ contains
          percent(large_strain)//')')
    end subroutine add_size_warnings
 
-   !> Finds the largest change of distance between two corners of an element, over the distance.
-   pure subroutine find_largest_strain(mesh, displacement, strain, at)
+   !> Finds the largest change of distance between two corners of an element, over the distance, and the largest motion
+   !> of one about the other.
+   pure subroutine find_largest_strain(mesh, displacement, strain, turn, at)
       type(mesh_t), intent(in) :: mesh !! the mesh
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
       real(dp), intent(out) :: strain !! its size, over the distance [-]
+      real(dp), intent(out) :: turn !! the motion across the distance, over it [rad]
       integer, intent(out) :: at !! one of the two nodes; 0 if there is no strain
       real(dp), dimension(size(mesh%coordinates, 1), max_corners) :: x, u
       real(dp) :: distance(size(mesh%coordinates, 1)), elongation, square
       integer :: element, i, k, n, n_dim, node
 
       strain = 0.0_dp
+      turn = 0.0_dp
       at = 0
       n_dim = size(distance)
       do element = 1, mesh%n_elements
@@ -445,6 +451,7 @@ contains
                ! Times the distance, whose square an element's area has in it, too.
                elongation = abs(dot_product(u(:, i) - u(:, k), distance))
                square = dot_product(distance, distance)
+               turn = max(turn, sqrt(max(0.0_dp, sum((u(:, i) - u(:, k))**2) - elongation**2/square)/square))
                if (.not. exceeds(elongation, strain*square)) cycle
                strain = elongation/square
                at = node

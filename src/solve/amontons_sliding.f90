@@ -17,13 +17,14 @@ module amontons_sliding
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, new_contact_solution
    use amontons_contact_zone, only: contact_zone_t, recompute_pairs
    use amontons_dense, only: cholesky_factor, cholesky_inverse, cholesky_solve, symmetric_multiply
-   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
+   use amontons_error, only: error_t, input_refused, new_error, no_equilibrium, numerical_failure
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, load_family_t, obstacle_motion_t
    use amontons_methods, only: solve_components
    use amontons_moved_zone, only: move_zone
    use amontons_rounding, only: difference_rounding, exceeds
-   use amontons_text, only: place_text
+   use amontons_surface, only: meet_master, meeting_t
+   use amontons_text, only: place_text, short_text
    implicit none (type, external)
    private
 
@@ -152,6 +153,8 @@ contains
          solution%carried = reshape([now%v, search%force], [size(now%v), 2])
       end associate
       if (solution%is_converged) call check_ends(body, contacts, solution, error)
+      if (solution%is_converged .and. .not. allocated(error)) call check_passage(body, contacts, is_near, &
+         maxval(abs(search%now%moved(:, body%contact_node) - last%moved(:, body%contact_node))), error)
    end subroutine slide
 
    !> Refuses contact that reaches an end of a set beyond which the boundary goes on, or a corner of a master, where
@@ -189,6 +192,33 @@ contains
          end associate
       end do
    end subroutine check_ends
+
+   !> Refuses a step in which a slave passes through its master: so far that the gaps of the search do not reach back.
+   pure subroutine check_passage(body, contacts, is_near, way, error)
+      type(body_t), intent(in) :: body !! the body, its contact points at their places
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      logical, intent(in) :: is_near(:) !! whether the points face what they may touch within the search (m)
+      real(dp), intent(in) :: way !! largest displacement of a node of a contact set in the step [L]
+      type(error_t), allocatable, intent(out) :: error !! a slave does
+      type(meeting_t) :: meeting
+      integer :: at(2), i, p, set
+
+      do p = 1, size(is_near)
+         set = body%zone%set(p)
+         if (is_near(p) .or. .not. body%zone%pairs(set)%is_set()) cycle
+         associate (pair => body%zone%pairs(set), node => body%zone%rows%node(body%zone%rows%start(p)))
+            if (way <= 0.5_dp*pair%search) cycle
+            at = findloc(pair%slave%side(:2, :), node)
+            meeting = meet_master(pair%master, [(i, i=1, pair%master%n_sides)], pair%slave%place(at(2), &
+               real(2*at(1) - 3, dp)), huge(1.0_dp))
+            if (meeting%side == 0 .or. meeting%gap > -pair%search) cycle
+            call new_error(error, numerical_failure, contacts(set)%origin//"'"//pair%set//"' passes through '"// &
+               pair%against//"' at "//place_text(body%zone%position(:, p))//' in one step of '//short_text(way)// &
+               ', since its search reaches '//short_text(pair%search)//': take shorter steps, or give a larger search')
+         end associate
+         return
+      end do
+   end subroutine check_passage
 
    !> Puts the contact points of a body where a solution has them.
    subroutine take_places(body, loads, acting, solution)

@@ -22,7 +22,7 @@ module amontons_body
    use amontons_material, only: material_t, new_materials
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring, outer_sides
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t
-   use amontons_moved_zone, only: check_carriers, new_carrier_zone
+   use amontons_moved_zone, only: check_carriers, check_sliding, new_carrier_zone
    use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: bonds_of, join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
@@ -183,6 +183,8 @@ contains
       call add_rigid_drives(body, supports)
       joined = body%meshed_body_t
       joined%mesh%node = body%partner(mesh%node)
+      call check_sliding(body%meshed_body_t, contacts, error)
+      if (allocated(error)) return
       call new_contact_zone(body%zone, joined, contacts, error, tied)
       if (allocated(error)) return
       body%slides_far = any(contacts%slides_far())

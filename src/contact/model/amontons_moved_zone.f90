@@ -14,7 +14,7 @@ module amontons_moved_zone
    implicit none (type, external)
    private
 
-   public :: check_carriers, move_zone, new_carrier_zone
+   public :: check_carriers, check_sliding, move_zone, new_carrier_zone
 
 contains
 
@@ -98,15 +98,14 @@ contains
       zone%frame(:, :, point) = frame
    end subroutine move_to_obstacle
 
-   !> Refuses sets that slide far and contain nodes that move with others: those of rigid sets and slaves of ties.
-   subroutine check_carriers(carrier, body, ties, contacts, error)
-      type(contact_zone_t), intent(in) :: carrier !! the nodes of its contact sets
+   !> Refuses contact sets that do not slide far together, or in such a body.
+   subroutine check_sliding(body, contacts, error)
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
-      type(contact_t), intent(in) :: contacts(:) !! its contact sets
-      type(error_t), allocatable, intent(out) :: error !! there is such a node
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets
+      type(error_t), allocatable, intent(out) :: error !! there are such sets
       integer :: i, k
 
+      if (.not. any(contacts%slides_far())) return
       i = findloc(contacts%slides_far(), .false., dim=1)
       k = findloc(contacts%pairing%is_pair() .and. size(body%mesh%coordinates, 1) == 3, .true., dim=1)
       if (i > 0) then
@@ -118,7 +117,17 @@ contains
       else if (body%materials%is_twisted()) then
          call new_error(error, input_refused, contacts(1)%origin//"sliding = 'finite' does not go with twist")
       end if
-      if (allocated(error)) return
+   end subroutine check_sliding
+
+   !> Refuses sets that slide far and contain nodes that move with others: those of rigid sets and slaves of ties.
+   subroutine check_carriers(carrier, body, ties, contacts, error)
+      type(contact_zone_t), intent(in) :: carrier !! the nodes of its contact sets
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
+      type(contact_t), intent(in) :: contacts(:) !! its contact sets
+      type(error_t), allocatable, intent(out) :: error !! there is such a node
+      integer :: i, k
+
       do i = 1, carrier%n_points
          associate (node => carrier%node(i))
             if (body%constraints%rigid_of(node) == 0 .and. &
