@@ -167,8 +167,8 @@ contains
    !=contact.csv `pair` | | with a pair: `SLAVE/MASTER`, the two sets, with a semicolon for each comma; with a rigid
    !=   obstacle the set
    !=contact.csv `place_x`, `place_y`, `turn` | L, L, rad | with `sliding = 'finite'`: where the node is at the end, and
-   !=   the angle by which the normal has turned since rest; normals, weights, areas and places on the master are those at
-   !=   the end, too
+   !=   the angle by which the normal has turned since rest; normals, weights, areas and places on the master are
+   !=   those at the end, too
    !=contact.csv `z`, `normal_z`, `area`, `master_z` | L, –, L², L | of a solid; `area` for `weight`: tributary area
    !=contact.csv `slip_x`, `slip_y`, `slip_z` | L | of a solid: the slip as a vector; `slip` is its length
    !=contact.csv `force_x`, `force_y`, `force_z` | F | of a solid: force of the obstacle on the body;
@@ -201,10 +201,8 @@ contains
          n = size(zone%position, 1)
          in_space = n == 3
          nodal = zone%nodal_forces(force)
-         slip = motion(:m)
-         shear = force(m + 1:2*m)
-         if (in_space) slip = tangential_norm(motion, m)
-         if (in_space) shear = tangential_norm(force(m + 1:), m)
+         slip = of_tangents(motion)
+         shear = of_tangents(force(m + 1:))
          do i = 1, n
             call add(axes(i), axes(i), 'L', zone%position(i, :), maxval(abs(zone%position)))
          end do
@@ -219,8 +217,7 @@ contains
          ! In space shear is a part of vectors, and has their rounding errors.
          call add('tangential_force', 'tang. force', 'F', shear, merge(maxval(abs(force)), 0.0_dp, in_space))
          call add('contact_pressure', 'pressure', 'F/L^2', nodal(:m)/zone%area, 0.0_dp, .true.)
-         shear = nodal(m + 1:2*m)
-         if (in_space) shear = tangential_norm(nodal(m + 1:), m)
+         shear = of_tangents(nodal(m + 1:))
          call add('contact_shear', 'shear', 'F/L^2', shear/zone%area, merge(maxval(abs(nodal(:m)/zone%area)), &
             0.0_dp, in_space), .true.)
          if (in_space) then
@@ -257,6 +254,15 @@ contains
       end do
 
    contains
+
+      !> What a table has of tangential vectors: the component along the first tangent, in space the length (m).
+      pure function of_tangents(vectors) result(values)
+         real(dp), intent(in) :: vectors(:) !! the components (n_rows - m)
+         real(dp) :: values(body%zone%n_points)
+
+         values = vectors(:size(values))
+         if (in_space) values = tangential_norm(vectors, size(values))
+      end function of_tangents
 
       !> Adds where the points are at the end, and by which angle their normals have turned.
       subroutine add_places()
