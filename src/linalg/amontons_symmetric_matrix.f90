@@ -205,7 +205,7 @@ contains
       class(symmetric_matrix_t), intent(in) :: self !! the matrix
       real(dp), intent(in) :: axes(:, :) !! first axis of each pair; the second is a quarter turn ahead (2, n_pairs) [-]
       type(symmetric_matrix_t), intent(out) :: turned !! the matrix in these axes, dense or sparse as it is
-      real(dp) :: weight(2, self%n)
+      real(dp) :: weight(2, self%n), before(self%n)
       integer :: at(2, self%n), i, j, k, l, n
       integer, allocatable :: row(:), column(:)
       real(dp), allocatable :: entry(:)
@@ -213,12 +213,16 @@ contains
       associate (m => self%n_pairs, plain => self%n - 2*self%n_pairs)
          if (allocated(self%values)) then
             turned%n = self%n
-            turned%values = self%values
-            do i = 1, 2
-               do j = 1, self%n
-                  turned%values(:, j) = turned_pairs(turned%values(:, j), axes, 1)
-               end do
-               turned%values = transpose(turned%values)
+            allocate (turned%values, mold=self%values)
+            do j = 1, self%n
+               turned%values(:, j) = turned_pairs(self%values(:, j), axes, 1)
+            end do
+            do k = 1, m
+               associate (first => turned%values(:, plain + k), second => turned%values(:, plain + m + k))
+                  before = first
+                  first = axes(1, k)*before + axes(2, k)*second
+                  second = axes(1, k)*second - axes(2, k)*before
+               end associate
             end do
          else
             ! Each row is a sum of at most two of the turned matrix.

@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-r"""Hertz contact in space.
+r"""Hertz contact in space, pushed sideways.
 
 A quarter of an elastic block on a rigid sphere. For a half space under the force $P$, $E^* = E/(1-\nu^2)$, the contact
 has the radius $a = (3PR/(4E^*))^{1/3}$ and the pressure $p_0\sqrt{1-r^2/a^2}$, $p_0 = 3P/(2\pi a^2)$ (K. L. Johnson,
 *Contact Mechanics*, 1985, section 3.4). Its infinite slope at $r = a$ leaves order 1 to every element; on faces the
-number of points that touch jumps as well.
+number of points that touch jumps as well. Pushed by $Q = \mu P/2$ half of it sticks within $c = a(1-Q/(\mu P))^{1/3}$
+where pressure and shear do not act on each other, at $\nu = 0.4999$ (C. Cattaneo, 1938; R. D. Mindlin, 1949).
 
-The radius is measured by the second moment of the contact forces, which is $2Pa^2/5$. The block measures $20a$; its far
-sides change radius and peak by some $(a/20a)^3$. $h$ is the width of a cell over $a$.
+The radius is measured by the second moment of the contact forces, which is $2Pa^2/5$, and $c$ by that of the shears,
+$2\mu Pa^2/5\,(1-(c/a)^5)$. That all shears lie along the push is an approximation of the formula. The block measures
+$20a$; its far sides change radius and peak by some $(a/20a)^3$. $h$ is the width of a cell over $a$.
 
-Tolerances: radius and peak 1 %, the peak of `tet4` 1.5 %; in the test, on coarse meshes, 5 and 12 %.
+Tolerances: radius and peak 1 %, the peak of `tet4` 1.5 %, the stick radius 1 %; in the test, on coarse meshes, 5, 12
+and 2 %.
 """
 import math
 
@@ -22,17 +25,21 @@ MODULUS, RADIUS, SIZE = 1000.0/0.91, 100.0, 20.0
 FORCE, PEAK = 4*MODULUS/(3*RADIUS), 2*MODULUS/(math.pi*RADIUS)
 LEVELS = {"tet4": ((1/4,), (1/12,)), "tet10": ((1/2,), (1/4, 1/6)), "hex8": ((1/4,), (1/6, 1/8)),
           "hex20": ((1/2,), (1/4, 1/6))}
+# Of the pushed block.
+SOFT, FRICTION = 1000.0/(1 - 0.4999**2), 0.3
+PUSHED = {"tet10": ((1/3,), (1/4,)), "hex8": ((1/4,), (1/6,)), "hex20": ((1/3,), (1/4, 1/6))}
 
 
-def quarter(element, h, core=1.5):
-    """A quarter of the block, cells of h where x and y are at most `core`, the set `bottom` the faces there."""
+def block(element, h, is_half=False, core=1.5):
+    """A quarter or half of the block, cells of h where x and y are at most `core`, the set `bottom` the faces there."""
     across, up = stations(core, SIZE, h), stations(core/3, SIZE, h)
-    share = (round(core/h) + 0.5)/(len(across) - 1)
+    along = [-x for x in across[:0:-1]] + across if is_half else across
 
     def set_of(side, place):
-        return "far" if side == "bottom" and max(place[:2]) > share else side
-    return mapped_solid((len(across) - 1, len(across) - 1, len(up) - 1), element,
-                        lambda r, s, t: (between(across, r), between(across, s), between(up, t)), set_of)
+        reach = max(abs(between(along, place[0])), between(across, place[1]))
+        return "far" if side == "bottom" and reach > core else side
+    return mapped_solid((len(along) - 1, len(across) - 1, len(up) - 1), element,
+                        lambda r, s, t: (between(along, r), between(across, s), between(up, t)), set_of)
 
 
 class SolidHertz(Benchmark):
@@ -42,7 +49,7 @@ class SolidHertz(Benchmark):
         values = ValueTable("Sphere in space", ["element", "h", "quantity"])
         for element, levels in LEVELS.items():
             for h in self.meshes(*levels):
-                result = self.solve(self.deck("solid_sphere", mesh=quarter(element, h)))
+                result = self.solve(self.deck("solid_sphere", mesh=block(element, h)))
                 self.assert_sound(result)
                 points = list(zip(result["x"], result["y"], result["normal_force"]))
                 # Half of the last digit of the deck's force is less.
@@ -54,6 +61,22 @@ class SolidHertz(Benchmark):
                          self.meshes(0.12, 0.015 if element == "tet4" else 0.01))):
                     values.add(element, f"1/{round(1/h)}", quantity, computed=computed, reference=reference,
                                allowed=allowed)
+        self.assert_table(values)
+
+    def test_sphere_pushed(self):
+        values = ValueTable("Sphere in space, pushed", ["element", "h", "quantity"])
+        force = 4*SOFT/(3*RADIUS)
+        for element, levels in PUSHED.items():
+            for h in self.meshes(*levels):
+                result = self.solve(self.deck("solid_sphere_pushed", mesh=block(element, h, is_half=True)))
+                self.assert_sound(result)
+                squares = [x*x + y*y for x, y in zip(result["x"], result["y"])]
+                size, shear = (2*sum(f*square for f, square in zip(result[name], squares))
+                               for name in ("normal_force", "force_x"))
+                stick = (1 + shear/(FRICTION*size))**0.2
+                values.add(element, f"1/{round(1/h)}", "stick radius over radius", computed=stick,
+                           reference=0.5**(1/3), allowed=self.meshes(0.02, 0.01))
+                self.assertAlmostEqual(2*sum(result["force_x"]), -FRICTION*force/2, delta=1e-7*force)
         self.assert_table(values)
 
 
