@@ -11,6 +11,7 @@
 !> step when partners change.
 module amontons_sliding
    use amontons_body, only: body_t
+   use amontons_condensation, only: dependent_row, spring_share
    use amontons_contact_operator, only: contact_operator_t, new_stiffness_operator
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_set, only: contact_t
@@ -429,6 +430,28 @@ contains
       end do
    end function near_rows_multiply
 
+   !> Factorizes the compliance of rows. Where they depend on each other, as at a corner between two obstacles, springs
+   !> between body and multipliers make it definite, as in `new_row_condensation`.
+   pure subroutine factorize_compliance(matrix, soft, info)
+      real(dp), allocatable, intent(inout) :: matrix(:, :) !! A (r, r); its Cholesky factor on return [L/F]
+      real(dp), allocatable, intent(out) :: soft(:) !! compliance of the springs, 0 without (r) [L/F]
+      integer, intent(out) :: info !! 0 unless it is not definite
+      real(dp), allocatable :: original(:, :)
+      integer :: i
+
+      soft = [(matrix(i, i), i=1, size(matrix, 1))]
+      original = matrix
+      call cholesky_factor(matrix, info)
+      if (info == 0) info = findloc([(matrix(i, i)**2 <= dependent_row*soft(i), i=1, size(soft))], .true., dim=1)
+      soft = merge(spring_share, 0.0_dp, info /= 0)*soft
+      if (info == 0) return
+      call move_alloc(original, matrix)
+      do i = 1, size(soft)
+         matrix(i, i) = matrix(i, i) + soft(i)
+      end do
+      call cholesky_factor(matrix, info)
+   end subroutine factorize_compliance
+
    !> Solves the contact problem of the near points at their present places.
    !>
    !> Displacements are w = C (F (q - C^T lambda) + R b), with the free motions R of the body and R^T q = (C R)^T
@@ -446,8 +469,8 @@ contains
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: small
       type(contact_solution_t) :: near
-      real(dp), allocatable :: flexible(:, :), stiffness(:, :), g(:, :), x(:, :), h(:, :), free(:), w_free(:), &
-         w(:), v(:), b(:), motion(:)
+      real(dp), allocatable :: flexible(:, :), stiffness(:, :), g(:, :), x(:, :), h(:, :), soft(:), &
+         free(:), w_free(:), w(:), v(:), b(:), motion(:)
       integer, allocatable :: places(:)
       integer :: i, k, m, n, r, info
 
@@ -481,14 +504,14 @@ contains
             stiffness(i, i) = stiffness(1 + modulo(i - 1, n), 1 + modulo(i - 1, n))
             if (.not. stiffness(i, i) > 0.0_dp) stiffness(i, i) = 1.0_dp
          end do
-         call cholesky_factor(stiffness, info)
+         call factorize_compliance(stiffness, soft, info)
          x = g
          if (info == 0) call cholesky_solve(stiffness, x)
          h = matmul(transpose(g), x)
          if (info == 0) call cholesky_factor(h, info)
          if (info /= 0) then
             call new_error(error, no_equilibrium, 'the contact points that are near what they may touch do not '// &
-               'hold the body, or depend on each other; let it begin closer, or hold it by supports')
+               'hold the body; let it begin closer, or hold it by supports')
             return
          end if
          call cholesky_inverse(stiffness)
@@ -515,6 +538,7 @@ contains
             small%friction = v(rows%point)
             small%slip_bound = [(bound_at(rows%point(i)), i=1, n)]
             small%uncanceled = problem%uncanceled
+            if (any(soft > 0.0_dp)) small%softness = soft
             call near%reset()
             call solve_components(method, small, near, error)
             if (allocated(error)) return
@@ -522,7 +546,7 @@ contains
          v = matmul(flexible, near%force)
          search%strain = maxval(abs(v))
          if (.not. search%strain > 0.0_dp) search%strain = maxval(abs(free))
-         v = free - v + matmul(body%travel, b + matmul(g, near%displacement - w_free))
+         v = free - v + matmul(body%travel, b + matmul(g, near%displacement - soft*near%force - w_free))
          search%change = maxval(abs(v - search%now%v))
          search%now%v = v
          search%force = 0.0_dp

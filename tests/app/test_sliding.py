@@ -109,6 +109,23 @@ class Sliding(HistoryTest):
             self.assertAlmostEqual(small[key], finite[key], delta=1e-8 * abs(small[key]), msg=key)
         self.assertEqual(self.run_program("--verify", "out").stdout, "solid: verified\n")
 
+    def test_corner_between_two_obstacles_belongs_to_both(self):
+        corner = """&case name = 'corner' /
+&mesh size = 2.0, 2.0  cells = 8, 8 /
+&material young = 1000.0  poisson = 0.3  hypothesis = 'plane strain' /
+&load set = 'top'  traction = -0.3, -1.0 /
+&contact set = 'bottom'  friction = 0.2 /
+&contact set = 'left'  point = 0.0, 0.0  normal = 1.0, 0.0  friction = 0.2 /
+"""
+        self.walk(corner)
+        small = self.summary("corner")["key_results"]
+        self.walk(corner.replace("friction = 0.2", "friction = 0.2  sliding = 'finite'"))
+        finite = self.summary("corner")["key_results"]
+        for key in ("force_y_bottom", "force_x_left", "max_von_mises", "max_displacement"):
+            # What friction of one obstacle bears at the corner, the pressure of the other may as well: forces there are
+            # not unique, and found to a few digits.
+            self.assertAlmostEqual(small[key], finite[key], delta=1e-4 * abs(small[key]), msg=key)
+
     def test_bodies_that_turn_are_warned_of(self):
         text = BLOCKS.replace("&support name = 'down'  set = 'foot.top'  uy = -0.004 /\n&support name = 'along'"
                               "  set = 'foot.top'  ux = 1.0 /",

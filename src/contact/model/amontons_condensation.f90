@@ -44,6 +44,12 @@ module amontons_condensation
       may_suit_band, new_condensation, new_distributed_condensation, new_flexibility, &
       new_row_condensation, row_condensation_t
 
+   !> Largest rounding error of the square of a row that depends on others [-].
+   real(dp), parameter, public :: dependent_row = 1.0e-12_dp
+   !> Share of the compliance of such rows that springs have between body and multipliers. The means over a few cells
+   !> may follow rigid motions only, and then have no stiffness; other means have a larger share.
+   real(dp), parameter, public :: spring_share = 1.0e-3_dp
+
    !> The condensation of displacements to rows w = C v: it condenses loads and recovers displacements.
    type :: row_condensation_t
       real(dp) :: least_augmentation = 0.0_dp !! a small share of the least entry of R [F/L]
@@ -513,11 +519,6 @@ contains
       real(dp), intent(in) :: unnoticed(:, :) !! the motions r (n, any) [-]
       type(error_t), allocatable, intent(out) :: error
          !! the rows leave another part of S's kernel free, or memory ran out
-      ! Largest rounding error of the square of a row that depends on others.
-      real(dp), parameter :: negligible = 1.0e-12_dp
-      ! The means over a few cells may follow rigid motions only, and then have no stiffness; other means have a larger
-      ! share.
-      real(dp), parameter :: small_share = 1.0e-3_dp
       ! Of the stiffest row of the same point or of one next to it.
       real(dp), parameter :: least_share = 1.0e-3_dp
       real(dp), allocatable :: half(:, :), own(:), rho(:)
@@ -538,9 +539,9 @@ contains
          condensation%of_rows(:, i) = rows%multiply(half(:, i), r)
       end do
       call cholesky_factor(condensation%of_rows, info)
-      if (info == 0) info = findloc([(condensation%of_rows(i, i)**2 <= negligible*sum(half(:, i)**2), i=1, r)], &
+      if (info == 0) info = findloc([(condensation%of_rows(i, i)**2 <= dependent_row*sum(half(:, i)**2), i=1, r)], &
          .true., dim=1)
-      if (info /= 0) condensation%share = small_share
+      if (info /= 0) condensation%share = spring_share
       condensation%rows = rows
       ! Each row is as stiff as the unknowns that it has: the condition of M is then near that of S, and better if only
       ! soft springs hold the body, and no digits of a soft body are lost beside a stiff one.
@@ -565,7 +566,7 @@ contains
             if (of_point(k, i) > 0) rho(of_point(k, i)) = max(rho(of_point(k, i)), least_share*around(i))
          end do
       end do
-      condensation%least_augmentation = small_share*minval(rho)
+      condensation%least_augmentation = spring_share*minval(rho)
       call move_alloc(stiffness, condensation%factor)
       associate (m => condensation%factor)
          do i = 1, rows%n
