@@ -11,12 +11,12 @@ module amontons_config
       support_group, tie_group
    use amontons_config_loads, only: describe_load, load_group
    use amontons_constraints, only: support_t
-   use amontons_contact_set, only: contact_t, tie_t
+   use amontons_contact_set, only: contact_t, new_contact, new_tie, tie_t
    use amontons_deck, only: apply_settings, read_deck, read_deck_text, read_settings, setting_t
    use amontons_deck_contents, only: suggestion
    use amontons_deck_visitor, only: body_words, deck_documenter_t, deck_visitor_t, deck_writer_t, group_t, key_t
    use amontons_error, only: error_t, fault_list_t, input_refused, new_error
-   use amontons_file_model, only: file_model_t, use_loads, use_materials, use_names, use_supports
+   use amontons_file_model, only: file_model_t, use_contact, use_loads, use_materials, use_names, use_supports
    use amontons_history, only: describe_history, history_group, history_t, steps_group
    use amontons_kinds, only: dp
    use amontons_loads, only: load_on_motion, load_on_nodes, load_t
@@ -59,8 +59,9 @@ module amontons_config
       integer :: n_dim = 0 !! number of dimensions that the keys of the deck state; 0 where none does
       character(:), allocatable :: dimension_key !! the key that states it first: 'traction of 3 numbers'
       integer :: dimension_line = 0 !! its line
-      integer :: n_used(size(use_names)) = 0
-         !! numbers of materials, supports and loads that come from it; they are the first ones
+      integer :: n_used(size(use_names) + 1) = 0
+         !! numbers of materials, supports, loads, contact sets and ties that come from its file; they are the first
+         !! ones
       type(material_t), allocatable :: materials(:) !! its materials
       type(support_t), allocatable :: supports(:) !! its supports
       type(load_t), allocatable :: loads(:) !! its loads
@@ -164,7 +165,7 @@ contains
       type(config_t) :: copy
 
       copy = config
-      ! Materials, supports and loads of the mesh file are read again with it.
+      ! What is used of the mesh file is read again with it.
       if (is_shared_only) copy%n_used = 0
       writer%is_shared_only = is_shared_only
       call describe_config(writer, copy)
@@ -240,10 +241,10 @@ contains
                if (visitor%is_judging()) call add_driven_set(config%supports, config%loads, config%ties, set, has)
             end associate
          end do
-         do i = 1, size(config%contacts)
+         do i = config%n_used(use_contact) + 1, size(config%contacts)
             call describe_contact(visitor, config%contacts(i))
          end do
-         do i = 1, size(config%ties)
+         do i = config%n_used(use_contact + 1) + 1, size(config%ties)
             if (.not. config%ties(i)%has_jump) call describe_tie(visitor, config%ties(i))
          end do
          call describe_sweep(visitor, config%sweep, config%loads, config%contacts)
@@ -259,11 +260,11 @@ contains
    !> Describes all `&mesh`; a reader allocates the items of the other groups, behind those of a mesh file.
    subroutine describe_meshes(visitor, config)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
-      type(config_t), intent(inout) :: config !! the case; gains materials, supports and loads of a file
+      type(config_t), intent(inout) :: config !! the case; gains what is used of a file
       type(error_t), allocatable :: error
       type(file_model_t) :: model
       logical :: is_new
-      integer :: i, k
+      integer :: i, k, n
 
       is_new = .not. allocated(config%meshes)
       if (is_new) allocate (config%meshes(max(1, visitor%deck%count_groups('mesh'))))
@@ -279,10 +280,11 @@ contains
             config%n_used = 0
             cycle
          end if
-         config%n_used = [size(model%materials), size(model%supports), size(model%loads)]
+         config%n_used = [size(model%materials), size(model%supports), size(model%loads), &
+            count(.not. model%contacts%is_tied), count(model%contacts%is_tied)]
       end do
       if (is_new) then
-         ! Makes room for the materials, supports and loads of the deck, behind those of its mesh file.
+         ! Makes room for what the deck has of each kind, behind what its mesh file has.
          associate (n_used => config%n_used)
             ! A body without a material gets one whose required keys are reported as missing, unless the file is at
             ! fault.
@@ -300,8 +302,23 @@ contains
             end do
             allocate (config%rigid_sets(visitor%deck%count_groups('rigid')), &
                config%preloads(visitor%deck%count_groups('preload')))
-            allocate (config%contacts(visitor%deck%count_groups('contact')), &
-               config%ties(visitor%deck%count_groups('tie')))
+            allocate (config%contacts(n_used(use_contact) + visitor%deck%count_groups('contact')), &
+               config%ties(n_used(use_contact + 1) + visitor%deck%count_groups('tie')))
+            n = 0
+            do i = 1, sum(n_used(use_contact:))
+               associate (pair => model%contacts(i))
+                  if (pair%is_tied) then
+                     call new_tie(config%ties(i - n), trim(pair%set), trim(pair%against))
+                     config%ties(i - n)%search = pair%search
+                     config%ties(i - n)%origin = pair%origin
+                  else
+                     n = n + 1
+                     call new_contact(config%contacts(n), trim(pair%set), pair%friction)
+                     config%contacts(n)%pairing%against = trim(pair%against)
+                     config%contacts(n)%origin = pair%origin
+                  end if
+               end associate
+            end do
             allocate (config%sweep%axes(visitor%deck%count_groups('sweep')))
             allocate (config%history%steps(visitor%deck%count_groups('steps')))
             config%history%is_given = visitor%deck%count_groups('history') > 0

@@ -72,6 +72,18 @@ PLAIN_LOADS = """\
 &load set = 'top'  force = 0.0, -1.0 /
 &load set = 'right top'  pressure = 1.0 /
 """
+# A cube of two by two by one hexahedra, three times one on the other; the upper two are bonded.
+CUBES = ("*PART, NAME=cube\n*NODE\n" + "".join(
+    f"{1 + i + 3*j + 9*k}, {0.5*i}, {0.5*j}, {float(k)}\n" for k in range(2) for j in range(3) for i in range(3))
+    + "*ELEMENT, TYPE=C3D8, ELSET=all\n" + "".join(
+        f"{1 + i + 2*j}, " + ", ".join(str(1 + i + a + 3*(j + b) + 9*c) for a, b, c in (
+            (0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))) + "\n"
+        for j in range(2) for i in range(2))
+    + "*SURFACE, NAME=low\nall, S1\n*SURFACE, NAME=high\nall, S2\n*END PART\n*ASSEMBLY, NAME=a\n" + "".join(
+        f"*INSTANCE, NAME={name}, PART=cube\n{0.1*z}, 0., {z}\n*END INSTANCE\n" for z, name in enumerate("ABC"))
+    + "*TIE, NAME=t, POSITION TOLERANCE=0.1, ADJUST=NO\nC.low, B.high\n*END ASSEMBLY\n")
+PAIR = ("*SURFACE INTERACTION, NAME=Rough\n1.,\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1E7\n"
+        "*FRICTION\n0.2, 1E6\n*CONTACT PAIR, INTERACTION=rough, TYPE=SURFACE TO SURFACE\nB.low, A.high\n")
 REFERENCE = (" cannot be used: points of reference of *RIGID BODY, *COUPLING and *PRE-TENSION SECTION become &rigid "
              "and &preload in the deck, with their forces and supports")
 # Data lines that cannot be used, the keyword in front of them, what is used, and the message.
@@ -131,6 +143,21 @@ REFUSED = [
      "*dload after another load of its kind on a part of the same set or body in an earlier step cannot be used; "
      "end that by OP=NEW"),
     ("*STEP\n", "loads' step = 2 '", "the file has no step 2, only 1"),
+    ("*FRICTION\n0.1\n", "contact", "*FRICTION before any *SURFACE INTERACTION"),
+    ("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1.\n", "contact",
+     "*SURFACE BEHAVIOR with PRESSURE-OVERCLOSURE=TIED cannot be used"),
+    ("*SURFACE INTERACTION, NAME=i\n*FRICTION\n-0.1\n", "contact", "*FRICTION: the coefficient is negative"),
+    ("*SURFACE INTERACTION, NAME=i\n*FRICTION, ROUGH\n", "contact", "*FRICTION with ROUGH cannot be used"),
+    ("*SURFACE INTERACTION, NAME=i\n*FRICTION\n0.1\n0.2, , 5.\n", "contact",
+     "*FRICTION that depends on pressure, slip or temperature cannot be used"),
+    ("*CONTACT PAIR, INTERACTION=i, ADJUST=0.1\nend, top\n", "contact",
+     "*CONTACT PAIR with ADJUST=0.1 cannot be used"),
+    ("*CONTACT PAIR, INTERACTION=i\nend\n", "contact",
+     "*CONTACT PAIR: expected two surfaces, the slave and the master"),
+    ("*CONTACT PAIR, INTERACTION=i\nend, top\n", "contact", "there is no *SURFACE INTERACTION 'i'"),
+    ("*TIE, NAME=t, POSITION TOLERANCE=-1.\nend, top\n", "contact", "*TIE: the position tolerance is negative"),
+    ("*TIE, NAME=t\nend, side\n", "contact", "there is no surface 'side'"),
+    ("*TIE, NAME=t, CYCLIC SYMMETRY\nend, top\n", "contact", "*TIE with CYCLIC SYMMETRY cannot be used"),
     ("*TRANSFORM, NSET=nall\n", "supports", "supports and loads in the directions of a *TRANSFORM cannot be used"),
 ]
 
@@ -274,6 +301,22 @@ class Abaqus(ProgramTest):
                 listing = (self.directory/"used.lst").read_text(encoding="utf-8")
                 self.assertEqual(listing.count("\n  Load "), (4, 6, 1)[n - 1], listing)
 
+    def test_contact_and_ties_are_taken(self):
+        self.write("block.inp", CUBES + PAIR)
+        body = ("&material young = 1000.0  poisson = 0.3 /\n&support set = 'A.low'  ux = 0.0  uy = 0.0  uz = 0.0 /\n"
+                "&load set = 'C.high'  traction = 0.3, 0.1, -2.0 /\n")
+        used = self.solve(USE.format("'contact'") + body, "used")
+        self.assertIn("used: verified", self.run_program("--verify", ".").stdout)
+        plain = self.solve("&mesh file = 'block.inp' /\n" + body + "&tie set = 'C.low'  to = 'B.high'  search = 0.1 /\n"
+                           "&contact set = 'B.low'  against = 'A.high'  friction = 0.2 /\n", "plain")
+        self.assertEqual(used.forces, plain.forces)
+        listing = (self.directory/"used.lst").read_text(encoding="utf-8")
+        self.assertIn("surfaces in contact neither overlap nor creep", listing)
+        self.assertIn("*CONTACT PAIR without SMALL SLIDING", listing)
+        # Friction of the file is swept by the name of its slave.
+        self.run_program("--quiet", self.write("sweep.nml", USE.format("'contact'") + body
+                                               + "&sweep contact = 'B.low'  friction = 0.2, 0.5 /\n"))
+
     def test_loads_can_be_swept(self):
         self.write_mesh(MATERIAL, SUPPORTS, LOADS)
         self.run_program("--quiet", self.write("sweep.nml", ALL + CONTACT
@@ -309,7 +352,8 @@ class Abaqus(ProgramTest):
         self.solve(ALL + CONTACT)
         self.assertIn("4 keywords ignored (not mesh data): *HEADING, *STATIC, *NODE FILE, *END STEP\n",
                       (self.directory/"case.lst").read_text(encoding="utf-8"))
-        for lines, named in (("*CONTACT PAIR, INTERACTION=i\na, b\n", "*CONTACT PAIR"),
+        for lines, named in (("*CONTACT PAIR, INTERACTION=i\na, b\n", "*CONTACT PAIR; give them in the deck, or &mesh use = "
+                              "'contact'"),
                              ("*STEP, NLGEOM\n*DYNAMIC\n1.\n*END STEP\n", "*STEP, NLGEOM, *DYNAMIC"),
                              ("*BASE MOTION, DOF=1\n*FIELD\n1, 2.\n", "*BASE MOTION, *FIELD"),
                              ("*NODAL THICKNESS\n1, 2.\n", "*NODAL THICKNESS"),
@@ -369,12 +413,13 @@ class Abaqus(ProgramTest):
     def test_use_is_for_files_of_abaqus(self):
         self.write("square.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n")
         for deck, message in ((USE.format("'loads'").replace("block.inp", "square.msh"),
-                               "materials, supports and loads can be used of Abaqus and CalculiX files only"),
+                               "materials, supports, loads and contact can be used of Abaqus and CalculiX files only"),
                               ("&mesh size = 1.0, 1.0  cells = 1, 1  use = 'loads' /\n",
                                "use is only for kind = 'file'"),
-                              (USE.format("'load'"),
-                               "use: expected one of 'materials', 'supports', 'loads', found 'load'"),
-                              (USE.format("3"), "use: expected one of 'materials', 'supports', 'loads', found 3")):
+                              (USE.format("'load'"), "use: expected one of 'materials', 'supports', 'loads', "
+                               "'contact', found 'load'"),
+                              (USE.format("3"), "use: expected one of 'materials', 'supports', 'loads', 'contact', "
+                               "found 3")):
             run = self.run_program("--check", self.write("deck.nml", deck + PLAIN_MATERIAL.format("plane stress", 1)
                                                          + CONTACT), status=1)
             self.assertIn(message, run.stderr)

@@ -2,6 +2,7 @@
 """Solids on solids: pairs and ties of any two kinds of elements, against the plane, equilibrium and another code."""
 import csv
 import itertools
+import math
 import random
 import unittest
 
@@ -98,6 +99,47 @@ class SolidPairs(ProgramTest):
                 self.assertAlmostEqual(2.0*sum(row[1] for row in both), normal, delta=1e-11)
                 self.assertAlmostEqual(2.0*sum(row[2] for row in both), abs(shear), delta=1e-11)
                 self.assertEqual({row[3] for row in both}, {status.rstrip("+-")})
+
+    def test_slave_that_a_support_guides_slips_on_a_master_that_goes_on(self):
+        for friction, traction in ((0.1, 10.0), (0.3, 0.0)):
+            plane = self.solve(
+                "&mesh name = 'low'  size = 3.0, 1.0  cells = 12, 4  origin = -1.0, -1.0 /\n"
+                "&mesh name = 'high'  size = 1.0, 1.0  cells = 6, 6 /\n&material young = 1000.0  poisson = 0.3 /\n"
+                "&support set = 'low.bottom'  ux = 0.0  uy = 0.0 /\n&support set = 'high.left'  ux = 0.0 /\n"
+                f"&support set = 'high.top'  uy = -0.01 /\n&load set = 'high.right'  traction = {traction}, 0.0 /\n"
+                f"&contact set = 'high.bottom'  against = 'low.top'  friction = {friction} /\n", "plane")
+            layer = self.solve_verified(
+                boxes("hex8", "hex8", cells=("12, 1, 4", "6, 1, 6"), sizes=("3.0, 0.5, 1.0", "1.0, 0.5, 1.0"),
+                      origins=("-1.0, 0.0, -1.0", "0.0, 0.0, 0.0"), young=1000.0)
+                + "".join(f"&support set = '{name}.{side}'  uy = 0.0 /\n" for name in ("low", "high")
+                          for side in ("front", "back"))
+                + "&support set = 'low.bottom'  ux = 0.0  uz = 0.0 /\n&support set = 'high.left'  ux = 0.0 /\n"
+                f"&support set = 'high.top'  uz = -0.01 /\n&load set = 'high.right'  traction = {traction}, 0.0, 0.0 /\n"
+                f"&contact set = 'high.bottom'  against = 'low.top'  friction = {friction} /\n", "layer")
+            rows = list(zip(layer["x"], layer["normal_force"], layer["tangential_force"]))
+            for x, normal, shear in zip(plane["x"], plane["normal_force"], plane["tangential_force"]):
+                both = [row for row in rows if abs(row[0] - x) < 1e-9]
+                # As in the test above.
+                self.assertAlmostEqual(2.0*sum(row[1] for row in both), normal, delta=1e-11)
+                self.assertAlmostEqual(2.0*sum(row[2] for row in both), abs(shear), delta=1e-11)
+            # The shear of the guided edge, too: it slips.
+            self.assertGreater(abs(plane["tangential_force"][0]), 0.01)
+
+    def test_corner_that_the_master_hardly_covers_is_no_point(self):
+        # The master ends just beyond corners of the slave: pressures there were six to nine times the mean.
+        for element, origin, size in (("tet10", "0.48, -0.03", "0.7, 0.8"), ("hex8", "0.5, 0.04", "0.85, 0.93"),
+                                      ("tet4", "0.16, -0.02", "0.7, 0.98")):
+            with self.subTest(element):
+                result = self.solve_verified(
+                    boxes("hex8", element, cells=("3, 3, 3", "4, 5, 3"), sizes=(f"{size}, 1.0", "1.6, 1.5, 1.0"),
+                          origins=(f"{origin}, -1.0", "0.1, -0.2, 0.0"), young=1000.0)
+                    + "&support set = 'low.bottom'  ux = 0.0  uy = 0.0  uz = 0.0 /\n"
+                    "&support set = 'high.top'  ux = 0.0  uy = 0.0  uz = -0.01 /\n"
+                    "&contact set = 'high.bottom'  against = 'low.top'  friction = 0.2 /\n")
+                covered = math.prod(map(float, size.split(",")))
+                self.assertAlmostEqual(sum(result["area"]), covered, delta=1e-12)
+                # The edges of the block that presses are singular, by a power of less than a half.
+                self.assertLess(max(result["contact_pressure"]), 2.5*sum(result["normal_force"])/covered)
 
     def test_block_on_block_has_the_forces_of_another_code(self):
         # CalculiX with incompatible modes: N and T of a block that is pressed, then pushed.

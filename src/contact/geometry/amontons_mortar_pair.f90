@@ -41,8 +41,8 @@ module amontons_mortar_pair
    implicit none (type, external)
    private
 
-   public :: cell_pieces, check_ends, check_overlap, find_facing_parts, held_slave_text, integrate_pair, least_cover, &
-      mortar_pair_t, mortar_piece_t, mortar_points_t, new_mortar_pair, new_pair_surfaces, take_facing_sides
+   public :: cell_pieces, check_ends, check_overlap, find_facing_parts, guided_alone, held_slave_text, integrate_pair, &
+      least_cover, mortar_pair_t, mortar_piece_t, mortar_points_t, new_mortar_pair, new_pair_surfaces, take_facing_sides
 
    !> Share of a side or cell that the master covers, from one end on, for a multiplier of the other end. Where it is
    !> less the multiplier would hold the master's slope, prolonged by far, and its pressure grow without bound. It is
@@ -603,6 +603,7 @@ contains
       logical, intent(in) :: is_master(:) !! the nodes of the master (nodes)
       logical, intent(in) :: is_tied !! whether the surfaces are bonded: a point may then move along its tangent alone
       real(dp) :: normal(size(pair%slave%corner, 1), size(is_master))
+      real(dp), dimension(size(is_master)) :: cover, whole
       logical :: is_open(size(is_master)), faces(size(is_master)), is_idle(pair%slave%n_sides)
       integer, allocatable :: facing(:)
       integer :: i, k, n_dim, point(size(is_master))
@@ -613,12 +614,25 @@ contains
       call continue_sides(pair, pair%part, share, constraints)
       is_open(pair%patch%node) = .true.
       faces = .false.
+      cover = 0.0_dp
+      whole = tiny(1.0_dp)
       do i = 1, size(share)
-         associate (n => pair%slave%n_corners(i), nodes => pair%slave%side(:pair%slave%n_nodes(i), i))
+         associate (n => pair%slave%n_corners(i), nodes => pair%slave%side(:pair%slave%n_nodes(i), i), &
+            area => sum(pair%patch%faces(i)%area))
             normal(:, nodes(:n)) = pair%slave%normal(:, :n, i)
             if (share(i) > 0.0_dp) is_open(nodes(:n)) = .false.
             is_open(nodes(n + 1:)) = .false.
-            if (pair%lead_side(i) == i) where (pair%part(:n, i) > least_cover/n*share(i)) faces(nodes(:n)) = .true.
+            cover(nodes(:n)) = cover(nodes(:n)) + area*pair%part(:n, i)
+            whole(nodes(:n)) = whole(nodes(:n)) + area/n
+            if (n_dim == 2 .and. pair%lead_side(i) == i) where (pair%part(:n, i) > least_cover/n*share(i)) &
+               faces(nodes(:n)) = .true.
+         end associate
+      end do
+      ! In space the covered share of the hat counts, on all sides of a corner; of each side one corner is a point.
+      do i = 1, merge(0, size(share), n_dim == 2)
+         associate (nodes => pair%slave%side(:pair%slave%n_corners(i), i))
+            if (share(i) > 0.0_dp) where (.not. exceeds(min(least_cover**2, maxval(cover(nodes)/whole(nodes))), &
+               cover(nodes)/whole(nodes))) faces(nodes) = .true.
          end associate
       end do
       pair%open_node = pack(pair%patch%node, is_open(pair%patch%node))
@@ -743,8 +757,8 @@ contains
 
    !> Refuses a side of the slave that has no multiplier at any corner and faces a part of the master that may move
    !> along the normal or, where shear may act, along the tangent: no force would be transmitted there. A side of which
-   !> earlier sets have all corners is left to them, unless that leaves no point. In space a corner that supports guide
-   !> must face one of the master that they guide as well, on the same plane of symmetry.
+   !> earlier sets have all corners is left to them, unless that leaves no point. In space no bonded corner may be
+   !> guided alone.
    pure subroutine check_ends(pair, remedy, needs_shear, constraints, error)
       type(mortar_pair_t), intent(in) :: pair !! the pair, its points corners
       character(*), intent(in) :: remedy !! advice for the message if supports hold the slave
@@ -753,14 +767,13 @@ contains
       type(error_t), allocatable, intent(out) :: error !! there is such a side
       ! Between the normal and the tangent of the surface.
       real(dp), parameter :: aslant = 0.707_dp
-      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1)), &
-         place(size(pair%slave%corner, 1), size(pair%node))
+      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
       logical, dimension(size(pair%point_of, 1), 2) :: is_held, lacks
-      logical :: is_mirrored(size(pair%node))
       integer :: i, k, m, p
+      logical :: is_alone(size(pair%node))
 
-      m = size(place, 1)
-      is_mirrored = m == 2 .or. .not. (needs_shear .and. any(pair%is_fixed, dim=1))
+      m = size(pair%slave%corner, 1)
+      is_alone = guided_alone(pair, constraints)
       do i = 1, size(pair%segments)
          associate (side => pair%segments(i)%slave, slave => pair%slave, other => pair%segments(i)%master, &
             c => pair%slave%n_corners(pair%segments(i)%slave), middle => size(pair%slave%normal, 2))
@@ -773,8 +786,10 @@ contains
                is_held(k, 2) = pair%is_fixed(1, p)
                lacks(k, 2) = pair%is_fixed(1, p)
                frame = pair%frame(:, :, p)
-               place(:, p) = slave%corner(:, k, side)
-               if (.not. is_mirrored(p)) is_mirrored(p) = faces_guided(p, other)
+               if (.not. (needs_shear .and. m == 3)) cycle
+               if (.not. is_alone(p)) cycle
+               call new_error(error, input_refused, held_slave_text(pair, slave%corner(:, k, side), 'shear', remedy))
+               return
             end do
             do k = 1, merge(2, 1, needs_shear .and. m == 2)
                if (.not. (all(lacks(:c, k)) .and. any(is_held(:c, k)))) cycle
@@ -787,31 +802,37 @@ contains
             end do
          end associate
       end do
-      p = findloc(is_mirrored, .false., dim=1)
-      if (p > 0) call new_error(error, input_refused, held_slave_text(pair, place(:, p), 'shear', remedy))
       if (size(pair%node) == 0) call new_error(error, input_refused, "no node of '"//pair%set//"' that faces '"// &
          pair%against//"' is left: supports hold them, or they belong to ties, preloads or earlier sets; refine '"// &
          pair%set//"', or "//remedy)
-
-   contains
-
-      !> Whether a side of the master has a corner that supports guide as a point, in its plane of symmetry.
-      pure logical function faces_guided(point, other)
-         integer, intent(in) :: point !! the point
-         integer, intent(in) :: other !! number of the side
-         integer :: j, t
-
-         faces_guided = .false.
-         do j = 1, pair%master%n_corners(other)
-            associate (way => pair%master%corner(:, j, other) - place(:, point), tangents => pair%frame(:, 2:, point))
-               faces_guided = faces_guided .or. all([(.not. pair%is_fixed(t, point) .or. &
-                  (abs(dot_product(way, tangents(:m, t))) <= angle_rounding*pair%master%longest .and. &
-                  .not. constraints%leaves_free(pair%master%side(j, other), tangents(:m, t))), t=1, m - 1)])
-            end associate
-         end do
-      end function faces_guided
-
    end subroutine check_ends
+
+   !> Which points in space supports guide, but no corner of the sides of the master that they face, in the same plane of
+   !> symmetry: there bodies end at the plane, and no shear acts (n).
+   pure function guided_alone(pair, constraints) result(is_alone)
+      type(mortar_pair_t), intent(in) :: pair !! the pair, its points corners
+      type(constraints_t), intent(in) :: constraints !! the supports
+      logical :: is_alone(size(pair%node))
+      integer :: i, j, k, t
+
+      is_alone = size(pair%slave%corner, 1) == 3 .and. any(pair%is_fixed, dim=1)
+      do i = 1, size(pair%segments)
+         associate (slave => pair%segments(i)%slave, master => pair%master, other => pair%segments(i)%master)
+            do k = 1, pair%slave%n_corners(slave)
+               associate (p => pair%point_of(k, slave), place => pair%slave%corner(:, k, slave))
+                  if (p == 0) cycle
+                  do j = 1, merge(master%n_corners(other), 0, is_alone(p))
+                     is_alone(p) = is_alone(p) .and. .not. all([(.not. pair%is_fixed(t, p) .or. &
+                        (abs(dot_product(master%corner(:, j, other) - place, pair%frame(:, 1 + t, p))) &
+                        <= angle_rounding*master%longest .and. &
+                        .not. constraints%leaves_free(master%side(j, other), pair%frame(:, 1 + t, p))), &
+                        t=1, size(pair%is_fixed, 1))])
+                  end do
+               end associate
+            end do
+         end associate
+      end do
+   end function guided_alone
 
    !> The message that supports hold a part of a slave, so that contact forces do no work there.
    pure function held_slave_text(pair, position, what, remedy) result(text)

@@ -19,7 +19,7 @@ module amontons_contact_zone
    use amontons_frame, only: new_frames
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
-   use amontons_mortar_pair, only: check_ends, check_overlap, integrate_pair, mortar_pair_t, mortar_points_t, &
+   use amontons_mortar_pair, only: check_ends, check_overlap, guided_alone, integrate_pair, mortar_pair_t, mortar_points_t, &
       new_mortar_pair, take_facing_sides
    use amontons_moved_pair, only: integrate_moved_pair, new_moved_pair
    use amontons_obstacle, only: unit_vector
@@ -158,8 +158,8 @@ contains
       end do
    end subroutine add_set
 
-   !> Finds the corners of slaves in the plane that supports guide, or hold around the axis, but at which friction acts
-   !> since the master may slip; and lists the slips that supports fix.
+   !> Finds the corners of slaves that supports guide, or hold around the axis, but at which friction acts since the
+   !> master may slip; and lists the slips that supports fix.
    !>
    !> The part of the slave's displacement that a support prescribes is known, so that the tangential row of the point
    !> acts on unknowns of the master. It must be independent of the rows of the other points, which it is not if
@@ -173,14 +173,19 @@ contains
       real(dp), allocatable :: row(:, :), rest(:), basis(:, :), transform(:, :)
       integer, allocatable :: points(:), own(:), parts(:)
       real(dp) :: whole
+      logical :: is_alone(zone%n_points, zone%n_tangents)
       integer :: i, j, k, n, p, place, tangent
 
       n = 1 + zone%n_tangents
-      do tangent = 1, merge(zone%n_tangents, 0, allocated(zone%line))
-         points = pack([(p, p=1, zone%n_points)], is_guided_alone(zone, constraints, tangent))
-         own = substitution%element_nodes(zone%rows%node(picked_places(zone%rows%start, points)))
-         row = spread(spread(0.0_dp, 1, n), 2, size(own))
-         basis = reshape(row(:, :0), [size(row), 0])
+      do tangent = 1, zone%n_tangents
+         is_alone(:, tangent) = is_guided_alone(zone, constraints, tangent)
+      end do
+      own = substitution%element_nodes(zone%rows%node(picked_places(zone%rows%start, &
+         pack([(p, p=1, zone%n_points)], any(is_alone, dim=2)))))
+      row = spread(spread(0.0_dp, 1, n), 2, size(own))
+      basis = reshape(row(:, :0), [size(row), 0])
+      do tangent = 1, zone%n_tangents
+         points = pack([(p, p=1, zone%n_points)], is_alone(:, tangent))
          do k = 1, size(points)
             p = points(k)
             row = 0.0_dp
@@ -220,7 +225,13 @@ contains
       real(dp) :: held(2)
       integer :: p, i, k
 
-      do p = 1, zone%n_points
+      is_alone = .false.
+      do i = 1, merge(0, size(zone%pairs), allocated(zone%line))
+         if (zone%pairs(i)%is_set()) is_alone(pack([(p, p=1, zone%n_points)], zone%set == i)) = &
+            guided_alone(zone%pairs(i), constraints)
+      end do
+      is_alone = is_alone .and. zone%is_fixed(tangent, :)
+      do p = 1, merge(zone%n_points, 0, allocated(zone%line))
          associate (pair => zone%pairs(zone%set(p)))
             is_alone(p) = zone%is_fixed(tangent, p) .and. &
                .not. zone%is_cell(p) .and. pair%is_set() .and. .not. allocated(pair%shear_fault)
@@ -592,7 +603,7 @@ contains
             call choose_cells(pair, contact%partition, body, error)
          else
             call check_ends(pair, remedy, .false., body%constraints, error)
-            call check_ends(pair, remedy, .true., body%constraints, shear_fault)
+            call check_ends(pair, remedy, allocated(zone%line), body%constraints, shear_fault)
             if (allocated(shear_fault)) pair%shear_fault = shear_fault%message
          end if
          if (allocated(error)) return

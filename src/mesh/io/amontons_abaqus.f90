@@ -59,7 +59,7 @@ contains
       raw%ignores_case = .true.
       raw%scope = ''
       allocate (raw%parts(0), raw%instances(0), raw%model%definitions(0), raw%model%sections(0), &
-         raw%model%orientations(0), raw%model%conditions(4))
+         raw%model%orientations(0), raw%model%conditions(4), raw%model%interactions(0), raw%model%contacts(0))
       do
          call next_keyword(input, keyword, line)
          if (keyword == '' .and. size(raw%parts) > 0 .and. size(raw%instances) == 0) then

@@ -271,10 +271,13 @@ contains
       type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
       character(*), intent(in) :: line !! the keyword line
       ! Those that say what is meant anyway, whatever their value or with this one alone.
-      character(8), parameter :: harmless_names(*) = [character(8) :: '', 'elset', 'material', 'name', 'zero', 'moduli']
-      character(25), parameter :: harmless(*) = [character(25) :: 'op=mod', 'op=new', 'type=displacement', &
+      character(17), parameter :: harmless_names(*) = [character(17) :: '', 'elset', 'material', 'name', 'zero', &
+         'moduli', 'interaction', 'smallsliding', 'positiontolerance', 'lagrange', 'sliptolerance', 'elasticslip']
+      character(32), parameter :: harmless(*) = [character(32) :: 'op=mod', 'op=new', 'type=displacement', &
          'type=iso', 'type=isotropic', 'type=engineeringconstants', 'type=temperature', 'dependencies=0', &
-         'system=rectangular']
+         'system=rectangular', 'type=nodetosurface', 'type=surfacetosurface', 'type=mortar', 'type=linmortar', &
+         'adjust=no', 'adjust=yes', 'pressure-overclosure=hard', 'pressure-overclosure=linear', &
+         'pressure-overclosure=exponential', 'penalty', 'augmentedlagrange']
       character(:), allocatable :: field
       integer :: first, last, i
 

@@ -1,13 +1,13 @@
 !> The model in the input format of Abaqus and CalculiX: materials, sections, which assign them to sets of elements,
 !> initial temperatures of nodes (without strain) and those of the step, supports and loads; steps keep, replace and end
-!> what was given before them.
+!> what was given before them. And pairs of surfaces, in contact with friction or bonded.
 module amontons_abaqus_model
    use amontons_abaqus_lines, only: add_members, capitals, degree, next_data_line, parameter_of, place_of_name, &
       read_tag, refuse_parameters, rotation_matrix, set_of_field, take_fields, take_line_of_numbers, take_number
    use amontons_constraints, only: new_support, supported_components
-   use amontons_error, only: error_t
-   use amontons_file_model, only: file_condition_t, file_material_t, file_temperatures_t, longest_name, raw_mesh_t, &
-      use_loads, use_materials, use_supports
+   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_file_model, only: file_condition_t, file_contact_t, file_material_t, file_temperatures_t, &
+      longest_name, raw_mesh_t, use_contact, use_loads, use_materials, use_supports
    use amontons_input_file, only: input_file_t
    use amontons_integer_list, only: integer_list_t, new_tag_map
    use amontons_kinds, only: dp, int64
@@ -20,10 +20,12 @@ module amontons_abaqus_model
    public :: finish_model, model_keywords, model_uses, read_model_keyword
 
    !> Keywords that may be read in addition to the mesh.
-   character(12), parameter :: model_keywords(*) = [character(12) :: 'material', 'elastic', 'density', 'expansion', &
-      'orientation', 'solidsection', 'boundary', 'cload', 'dload', 'dsload', 'temperature']
-   !> The part of the model to which each of these keywords belongs: materials, supports or loads.
-   integer, parameter :: model_uses(*) = [spread(use_materials, 1, 6), use_supports, spread(use_loads, 1, 4)]
+   character(18), parameter :: model_keywords(*) = [character(18) :: 'material', 'elastic', 'density', 'expansion', &
+      'orientation', 'solidsection', 'boundary', 'cload', 'dload', 'dsload', 'temperature', 'surfaceinteraction', &
+      'friction', 'surfacebehavior', 'contactpair', 'tie']
+   !> The part of the model to which each of these keywords belongs: materials, supports, loads or contact.
+   integer, parameter :: model_uses(*) = [spread(use_materials, 1, 6), use_supports, spread(use_loads, 1, 4), &
+      spread(use_contact, 1, 5)]
    !> Temperature of a node to which the step gives none.
    real(dp), parameter :: not_given = huge(1.0_dp)
    !> Largest number of fields of a data line; the temperatures of a shell follow that of its first point.
@@ -62,6 +64,10 @@ contains
          call read_conditions(raw, input, keyword, line)
       case ('temperature', 'initialconditions')
          call read_temperatures(raw, input, keyword, line, is_read)
+      case ('surfaceinteraction', 'friction', 'surfacebehavior')
+         call read_interaction(raw, input, keyword, line)
+      case ('contactpair', 'tie')
+         call read_pairs(raw, input, keyword, line)
       case ('step')
          associate (model => raw%model)
             model%n_steps = model%n_steps + 1
@@ -263,6 +269,102 @@ contains
       end associate
    end subroutine read_temperatures
 
+   !> Reads a keyword of an interaction of surfaces. What a penalty needs besides the friction is not physics.
+   pure subroutine read_interaction(raw, input, keyword, line)
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file; gains the interaction, or its friction
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! the keyword in small letters
+      character(*), intent(in) :: line !! the keyword line
+      type(file_contact_t) :: interaction
+      character(longest_name) :: fields(most_fields)
+      integer :: n
+      logical :: is_there
+
+      call refuse_parameters(input, line)
+      if (keyword == 'surfaceinteraction') then
+         interaction%name = parameter_of(line, 'name')
+         raw%model%interactions = [raw%model%interactions, interaction]
+         return
+      end if
+      associate (last => size(raw%model%interactions))
+         if (last == 0) call input%refuse_line('*'//capitals(keyword)//' before any *SURFACE INTERACTION')
+         call next_data_line(input, is_there)
+         fields = ''
+         if (is_there) call take_fields(input, fields, n)
+         if (any(fields(merge(2, 1, keyword == 'friction'):) /= '')) call raw%add_note( &
+            'stiffnesses of *SURFACE BEHAVIOR and *FRICTION ignored: surfaces in contact neither overlap nor creep')
+         if (allocated(input%error) .or. keyword /= 'friction') return
+         call take_number(input, fields(1), raw%model%interactions(last)%friction)
+         if (raw%model%interactions(last)%friction < 0.0_dp) call input%refuse_line( &
+            '*FRICTION: the coefficient is negative')
+         call next_data_line(input, is_there)
+         if (is_there) call input%refuse('*FRICTION that depends on pressure, slip or temperature cannot be used')
+      end associate
+   end subroutine read_interaction
+
+   !> Reads pairs of surfaces, the slave first.
+   pure subroutine read_pairs(raw, input, keyword, line)
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file; gains the pairs
+      type(input_file_t), intent(inout) :: input !! the file, behind the keyword line
+      character(*), intent(in) :: keyword !! 'contactpair' or 'tie'
+      character(*), intent(in) :: line !! the keyword line
+      type(file_contact_t) :: pair
+      character(longest_name) :: fields(most_fields)
+      character(:), allocatable :: label
+      integer :: n
+      logical :: is_there
+
+      call refuse_parameters(input, line)
+      pair%name = parameter_of(line, 'interaction')
+      pair%is_tied = keyword == 'tie'
+      call take_number(input, parameter_of(line, 'position tolerance'), pair%search)
+      if (pair%search < 0.0_dp) call input%refuse_line('*TIE: the position tolerance is negative')
+      if (.not. pair%is_tied .and. index(lower_case(line), 'small') == 0) call raw%add_note( &
+         '*CONTACT PAIR without SMALL SLIDING: its points keep the partners that they face all the same')
+      do
+         call next_data_line(input, is_there)
+         if (.not. is_there) exit
+         call locate(input, input%position, pair%origin, label)
+         call take_fields(input, fields, n)
+         if (any(fields(:2) == '') .or. any(fields(3:) /= '')) call input%refuse_line('*'// &
+            line(:index(line//',', ',') - 1)//': expected two surfaces, the slave and the master')
+         if (allocated(input%error)) return
+         pair%set = fields(1)
+         pair%against = fields(2)
+         raw%model%contacts = [raw%model%contacts, pair]
+      end do
+   end subroutine read_pairs
+
+   !> Gives pairs the names that their surfaces have in the whole mesh, and the friction of their interactions.
+   pure subroutine finish_pairs(raw, error)
+      type(raw_mesh_t), intent(inout) :: raw !! contents of the file
+      type(error_t), allocatable, intent(inout) :: error !! a surface or an interaction is missing
+      integer :: i, k
+
+      do i = 1, size(raw%model%contacts)
+         associate (pair => raw%model%contacts(i), groups => [set_of_field(raw, trim(raw%model%contacts(i)%set)), &
+            set_of_field(raw, trim(raw%model%contacts(i)%against))])
+            if (any(groups == 0)) then
+               call new_error(error, input_refused, pair%origin//"there is no surface '"// &
+                  trim(merge(pair%set, pair%against, groups(1) == 0))//"'")
+               return
+            end if
+            pair%set = raw%groups(groups(1))%name
+            pair%against = raw%groups(groups(2))%name
+            if (pair%is_tied) cycle
+            do k = 1, size(raw%model%interactions)
+               if (lower_case(raw%model%interactions(k)%name) == lower_case(pair%name)) exit
+            end do
+            if (k > size(raw%model%interactions)) then
+               call new_error(error, input_refused, pair%origin//"there is no *SURFACE INTERACTION '"// &
+                  trim(pair%name)//"'")
+               return
+            end if
+            pair%friction = raw%model%interactions(k)%friction
+         end associate
+      end do
+   end subroutine finish_pairs
+
    !> Makes room for the temperatures of the nodes read so far: 0 at first, and none in the step.
    pure subroutine expect_nodes(temperatures, tags)
       type(file_temperatures_t), intent(inout) :: temperatures !! the temperatures
@@ -334,6 +436,7 @@ contains
             end associate
          end do
          call keep_conditions(raw)
+         call finish_pairs(raw, input%error)
          if (model%step > model%n_steps) call input%refuse('the file has no step '//to_text(model%step)//', only '// &
             to_text(model%n_steps))
          if (temperatures%place == 0) return

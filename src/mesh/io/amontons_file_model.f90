@@ -11,17 +11,20 @@ module amontons_file_model
    implicit none (type, external)
    private
 
-   public :: cell_dimension, file_condition_t, file_material_t, file_model_t, file_part_t, file_temperatures_t, &
-      identity, line2, line3, longest_name, n_cell_nodes, no_cell, point1, raw_mesh_t
+   public :: cell_dimension, file_condition_t, file_contact_t, file_material_t, file_model_t, file_part_t, &
+      file_temperatures_t, identity, line2, line3, longest_name, n_cell_nodes, no_cell, point1, raw_mesh_t
 
    !> Parts of the model that may be read, as a deck names them.
-   character(9), parameter, public :: use_names(3) = [character(9) :: 'materials', 'supports', 'loads']
+   character(9), parameter, public :: use_names(4) = [character(9) :: 'materials', 'supports', 'loads', &
+      'contact']
    !> Index of the materials in `use_names`.
    integer, parameter, public :: use_materials = 1
    !> Index of the supports in `use_names`.
    integer, parameter, public :: use_supports = 2
    !> Index of the loads in `use_names`.
    integer, parameter, public :: use_loads = 3
+   !> Index of contact pairs and ties in `use_names`.
+   integer, parameter, public :: use_contact = 4
 
    !> Largest length of the name of a set or material, as in Abaqus.
    integer, parameter :: longest_name = 80
@@ -52,7 +55,18 @@ module amontons_file_model
       logical :: is_ended = .false. !! whether a later step has ended it
    end type file_condition_t
 
-   !> Materials, supports and loads of a mesh file.
+   !> A pair of surfaces, in contact or bonded, or an interaction that pairs name.
+   type :: file_contact_t
+      character(longest_name) :: name = '' !! name of the interaction
+      character(longest_name) :: set = '' !! name of the slave
+      character(longest_name) :: against = '' !! name of the master
+      logical :: is_tied = .false. !! whether they are bonded
+      real(dp) :: friction = 0.0_dp !! Coulomb's coefficient [-]
+      real(dp) :: search = 0.0_dp !! largest distance of the master; 0 for none given [L]
+      character(:), allocatable :: origin !! position in the file, as messages begin
+   end type file_contact_t
+
+   !> Materials, supports, loads and contact of a mesh file.
    type :: file_model_t
       logical :: is_used(size(use_names)) = .false. !! what is read
       type(file_material_t), allocatable :: definitions(:) !! the materials that the file defines
@@ -65,6 +79,8 @@ module amontons_file_model
       integer :: n_earlier = 0 !! number of those given before the present step
       type(support_t), allocatable :: supports(:) !! the supports, once the file is read
       type(load_t), allocatable :: loads(:) !! the loads, once the file is read
+      type(file_contact_t), allocatable :: interactions(:) !! the interactions of surfaces
+      type(file_contact_t), allocatable :: contacts(:) !! pairs and ties; with the friction once the file is read
       integer :: n_steps = 0 !! number of steps
       integer :: step = 0 !! step that is used, with what it keeps of those before; 0 if there is only one
    end type file_model_t

@@ -204,7 +204,7 @@ contains
       if (allocated(raw%notes)) notes = raw%notes
    end subroutine read_mesh_file
 
-   !> Reads materials, supports and loads of a mesh file.
+   !> Reads materials, supports, loads and contact of a mesh file.
    subroutine read_file_model(model, file, is_used, step, error)
       type(file_model_t), intent(out) :: model !! materials, supports and loads
       character(*), intent(in) :: file !! name of the file
@@ -244,7 +244,7 @@ contains
       select case (input%text(min(input%position, len(input%text)):min(input%position, len(input%text))))
       case ('$')
          if (any(raw%model%is_used)) call input%refuse( &
-            'materials, supports and loads can be used of Abaqus and CalculiX files only')
+            'materials, supports, loads and contact can be used of Abaqus and CalculiX files only')
          call read_gmsh(raw, input)
       case ('*')
          call read_abaqus(raw, input)
