@@ -307,7 +307,8 @@ class Abaqus(ProgramTest):
                 "&load set = 'C.high'  traction = 0.3, 0.1, -2.0 /\n")
         used = self.solve(USE.format("'contact'") + body, "used")
         self.assertIn("used: verified", self.run_program("--verify", ".").stdout)
-        plain = self.solve("&mesh file = 'block.inp' /\n" + body + "&tie set = 'C.low'  to = 'B.high'  search = 0.1 /\n"
+        plain = self.solve("&mesh file = 'block.inp' /\n" + body
+                           + "&tie set = 'C.low'  to = 'B.high'  search = 0.1 /\n"
                            "&contact set = 'B.low'  against = 'A.high'  friction = 0.2 /\n", "plain")
         self.assertEqual(used.forces, plain.forces)
         listing = (self.directory/"used.lst").read_text(encoding="utf-8")
@@ -352,8 +353,8 @@ class Abaqus(ProgramTest):
         self.solve(ALL + CONTACT)
         self.assertIn("4 keywords ignored (not mesh data): *HEADING, *STATIC, *NODE FILE, *END STEP\n",
                       (self.directory/"case.lst").read_text(encoding="utf-8"))
-        for lines, named in (("*CONTACT PAIR, INTERACTION=i\na, b\n", "*CONTACT PAIR; give them in the deck, or &mesh use = "
-                              "'contact'"),
+        for lines, named in (("*CONTACT PAIR, INTERACTION=i\na, b\n", "*CONTACT PAIR; give them in the deck, or "
+                              "&mesh use = 'contact'"),
                              ("*STEP, NLGEOM\n*DYNAMIC\n1.\n*END STEP\n", "*STEP, NLGEOM, *DYNAMIC"),
                              ("*BASE MOTION, DOF=1\n*FIELD\n1, 2.\n", "*BASE MOTION, *FIELD"),
                              ("*NODAL THICKNESS\n1, 2.\n", "*NODAL THICKNESS"),

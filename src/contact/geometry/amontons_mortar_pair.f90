@@ -603,7 +603,6 @@ contains
       logical, intent(in) :: is_master(:) !! the nodes of the master (nodes)
       logical, intent(in) :: is_tied !! whether the surfaces are bonded: a point may then move along its tangent alone
       real(dp) :: normal(size(pair%slave%corner, 1), size(is_master))
-      real(dp), dimension(size(is_master)) :: cover, whole
       logical :: is_open(size(is_master)), faces(size(is_master)), is_idle(pair%slave%n_sides)
       integer, allocatable :: facing(:)
       integer :: i, k, n_dim, point(size(is_master))
@@ -613,29 +612,15 @@ contains
       share = sum(pair%part, dim=1)
       call continue_sides(pair, pair%part, share, constraints)
       is_open(pair%patch%node) = .true.
-      faces = .false.
-      cover = 0.0_dp
-      whole = tiny(1.0_dp)
       do i = 1, size(share)
-         associate (n => pair%slave%n_corners(i), nodes => pair%slave%side(:pair%slave%n_nodes(i), i), &
-            area => sum(pair%patch%faces(i)%area))
+         associate (n => pair%slave%n_corners(i), nodes => pair%slave%side(:pair%slave%n_nodes(i), i))
             normal(:, nodes(:n)) = pair%slave%normal(:, :n, i)
             if (share(i) > 0.0_dp) is_open(nodes(:n)) = .false.
             is_open(nodes(n + 1:)) = .false.
-            cover(nodes(:n)) = cover(nodes(:n)) + area*pair%part(:n, i)
-            whole(nodes(:n)) = whole(nodes(:n)) + area/n
-            if (n_dim == 2 .and. pair%lead_side(i) == i) where (pair%part(:n, i) > least_cover/n*share(i)) &
-               faces(nodes(:n)) = .true.
-         end associate
-      end do
-      ! In space the covered share of the hat counts, on all sides of a corner; of each side one corner is a point.
-      do i = 1, merge(0, size(share), n_dim == 2)
-         associate (nodes => pair%slave%side(:pair%slave%n_corners(i), i))
-            if (share(i) > 0.0_dp) where (.not. exceeds(min(least_cover**2, maxval(cover(nodes)/whole(nodes))), &
-               cover(nodes)/whole(nodes))) faces(nodes) = .true.
          end associate
       end do
       pair%open_node = pack(pair%patch%node, is_open(pair%patch%node))
+      faces = facing_corners(pair, share, size(is_master))
       ! A single point would be a hinge, as two are in space; but another set may need the corner beyond the end.
       do i = 1, merge(size(share), 0, count(faces(pair%patch%node)) < n_dim .and. .not. taken%is_slave_again)
          if (share(i) > 0.0_dp) faces(pair%slave%side(:pair%slave%n_corners(i), i)) = .true.
@@ -678,6 +663,38 @@ contains
       end do
       pair%idle_side = pair%slave%corner(:, size(pair%slave%corner, 2), pack([(i, i=1, size(is_idle))], is_idle))
    end subroutine number_points
+
+   !> Whether the master covers enough of the linear function of each corner for a multiplier: in the plane of a side
+   !> beside it, in space of all sides beside it; there one corner of each side has one in any case.
+   pure function facing_corners(pair, share, n_nodes) result(faces)
+      type(mortar_pair_t), intent(in) :: pair !! the pair, with its segments
+      real(dp), intent(in) :: share(:) !! the covered share of each side (sides) [-]
+      integer, intent(in) :: n_nodes !! number of nodes of the mesh
+      logical :: faces(n_nodes)
+      real(dp), dimension(n_nodes) :: covered, whole
+      integer :: i
+
+      faces = .false.
+      covered = 0.0_dp
+      whole = 0.0_dp
+      do i = 1, size(share)
+         associate (n => pair%slave%n_corners(i), nodes => pair%slave%side(:pair%slave%n_corners(i), i), &
+            area => sum(pair%patch%faces(i)%area))
+            covered(nodes) = covered(nodes) + area*pair%part(:n, i)
+            whole(nodes) = whole(nodes) + area/n
+            if (pair%lead_side(i) == i) where (pair%part(:n, i) > least_cover/n*share(i)) faces(nodes) = .true.
+         end associate
+      end do
+      if (size(pair%slave%corner, 1) == 2) return
+      faces = .false.
+      do i = 1, size(share)
+         if (.not. share(i) > 0.0_dp) cycle
+         associate (nodes => pair%slave%side(:pair%slave%n_corners(i), i))
+            where (.not. exceeds(min(least_cover**2, maxval(covered(nodes)/whole(nodes))), &
+               covered(nodes)/whole(nodes))) faces(nodes) = .true.
+         end associate
+      end do
+   end function facing_corners
 
    !> Finds the sides in the plane that the master covers in part, from a corner on. The functions of the side before
    !> this corner go on over them if it is covered as a whole, or from this corner on and the other one by a share below
@@ -807,8 +824,8 @@ contains
          pair%set//"', or "//remedy)
    end subroutine check_ends
 
-   !> Which points in space supports guide, but no corner of the sides of the master that they face, in the same plane of
-   !> symmetry: there bodies end at the plane, and no shear acts (n).
+   !> Which points in space supports guide, but no corner of the sides of the master that they face, in the same plane
+   !> of symmetry: there bodies end at the plane, and no shear acts (n).
    pure function guided_alone(pair, constraints) result(is_alone)
       type(mortar_pair_t), intent(in) :: pair !! the pair, its points corners
       type(constraints_t), intent(in) :: constraints !! the supports
