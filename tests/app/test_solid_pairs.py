@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Solids on solids: pairs and ties of any two kinds of elements, against the plane, equilibrium and another code."""
-import csv
 import itertools
 import math
 import random
 import unittest
 
-from harness import ProgramTest, read_vtu
+from harness import ProgramTest
+from mapped_solid import mapped_solid
 from solid_blocks import block_of_hexahedra, distorted, mesh_text, rotation, turned
 
 KINDS = ("tet4", "hex8", "tet10", "hex20")
@@ -73,6 +73,41 @@ class SolidPairs(ProgramTest):
                                                  "/\n")
                     # The rule of degree 8 for faces whose shape functions are not polynomials in their plane.
                     self.assert_close(result["contact_pressure"], [1.0]*len(result["x"]), 1e-9)
+
+    def test_tie_between_moving_planes_leaves_the_strain_uniform(self):
+        for high, low in itertools.product(KINDS, KINDS):
+            with self.subTest(high=high, low=low):
+                result = self.solve_verified(
+                    boxes(low, high) + PLANES + "&support set = 'low.bottom'  uz = 0.0 /\n"
+                    "&support set = 'low.right'  ux = 0.01 /\n&support set = 'high.right'  ux = 0.01 /\n"
+                    "&tie set = 'high.bottom'  to = 'low.top' /\n")
+                # Rounding, as above: of shear stresses of 1e-12 the root of a sum of squares shows nothing.
+                self.assertAlmostEqual(result.summary["key_results"]["max_von_mises"], 1.0, delta=1e-11)
+
+    def test_rings_in_each_other_have_the_pressure_of_lame(self):
+        # A quarter of a tube of radii 0.5, 1 and 1.5 with an inner pressure of 10, held along its axis.
+        def quarter(inner, outer, cells, element):
+            return mapped_solid(cells, element, lambda r, s, t: (
+                (inner + (outer - inner)*r)*math.cos(0.5*math.pi*s), (inner + (outer - inner)*r)*math.sin(0.5*math.pi*s),
+                0.4*t))
+
+        for inner, outer in (("tet10", "hex20"), ("hex20", "tet10"), ("tet10", "tet10")):
+            self.write("inner.msh", quarter(0.5, 1.0, (4, 6, 2), inner))
+            self.write("outer.msh", quarter(1.0, 1.5, (4, 5, 1), outer))
+            body = "".join(
+                f"&mesh name = '{name}'  file = '{name}.msh' /\n&support set = '{name}.front'  uy = 0.0 /\n"
+                f"&support set = '{name}.back'  ux = 0.0 /\n&support set = '{name}.bottom'  uz = 0.0 /\n"
+                f"&support set = '{name}.top'  uz = 0.0 /\n" for name in ("inner", "outer"))
+            for relation in ("tie set = 'inner.right'  to = 'outer.left'",
+                             "contact set = 'inner.right'  against = 'outer.left'  friction = 0.3",
+                             "contact set = 'outer.left'  against = 'inner.right'"):
+                with self.subTest(inner=inner, outer=outer, relation=relation):
+                    result = self.solve_verified(body + "&material young = 1000.0  poisson = 0.3 /\n"
+                                                 f"&load set = 'inner.left'  pressure = 10.0 /\n&{relation} /\n")
+                    # Six quadratic elements in 90 degrees.
+                    self.assertAlmostEqual(result.summary["key_results"]["max_displacement"]/0.0076375, 1.0, delta=1e-3)
+                    if relation.startswith("contact"):
+                        self.assert_close([p/1.5625 for p in result["contact_pressure"]], [1.0]*len(result["x"]), 0.012)
 
     def solve_layer_and_plane(self, conditions, delta):
         """Solves two blocks in the plane and as a layer of hexahedra, whose forces must agree."""

@@ -183,36 +183,41 @@ contains
       type(mortar_pair_t), intent(in) :: pair !! the pair
       integer, intent(in) :: ends(:, :)
          !! the corners beside each middle node beside points, 0 for others, -1 for points in space, of which a row
-         !! contains its own alone (2, n_nodes)
+         !! contains its own alone, and what supports prescribe of others (2, n_nodes)
       logical, intent(in) :: is_tied !! whether w = 0
       type(constraints_t), intent(in) :: constraints !! the supports
       type(sum_t) :: row
-      real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: along, free, share, push
+      real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: along, free, half, share, push
       real(dp) :: own(size(constraints%is_free, 1))
       integer, allocatable :: axes(:), columns(:)
-      integer :: i, k, n
+      integer :: i, k, n, n_dim
 
       n = size(own)
+      n_dim = size(constraints%place, 1)
       do i = rows%start(p), rows%start(p + 1) - 1
          associate (node => rows%node(i))
             ! Along the normal and the tangents.
             share = diagonal([(dot_product(rows%block(:, k, i), pair%frame(:, k, p)), k=1, n)])
             call row%add(node, share, ends(1, node) > 0)
+            half = 0.5_dp*share
+            ! In space all directions have the same share: it may be given along any axes.
+            if (n_dim == 3) half = matmul(half, constraints%free_projector(node))
             do k = 1, 2
-               if (ends(k, node) > 0) call row%add(ends(k, node), 0.5_dp*share, .false.)
+               if (ends(k, node) > 0) call row%add(ends(k, node), half, .false.)
             end do
          end associate
       end do
+      free = constraints%free_projector(pair%node(p))
       own = 0.0_dp
       do i = 1, size(row%node)
          if (row%node(i) /= pair%node(p)) cycle
          own = [(row%block(k, k, i), k=1, n)]
+         if (n_dim == 3) own = sum(free*row%block(:, :, i))/sum(free**2)
       end do
       ! The displacement by the other terms: all of it or, if a support guides the corner along an axis, the length
       ! along the axis with the same normal component (for bonded surfaces with the same component along the axis).
-      free = constraints%free_projector(pair%node(p))
       along = free
-      if (size(constraints%place, 1) == 2 .and. .not. (is_tied .or. all(constraints%is_free(:2, pair%node(p))))) then
+      if (n_dim == 2 .and. .not. (is_tied .or. all(constraints%is_free(:2, pair%node(p))))) then
          associate (axis => constraints%frame(:2, merge(1, 2, constraints%is_free(1, pair%node(p))), pair%node(p)), &
             normal => pair%frame(:2, 1, p))
             along(:2, :2) = spread(axis, 2, 2)*spread(normal, 1, 2)/dot_product(axis, normal)
@@ -227,9 +232,16 @@ contains
       end if
       do i = 1, size(row%node)
          if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= sum_rounding) cycle
-         if (ends(1, row%node(i)) < 0 .and. .not. row%is_own(i)) cycle
-         call corner%add(row%node(i), times_axes(along, pair%frame(:, :, p), -[(row%block(k, k, i), k=1, n)]/own), &
-            row%is_own(i))
+         if (n_dim == 2) then
+            call corner%add(row%node(i), times_axes(along, pair%frame(:, :, p), -[(row%block(k, k, i), k=1, n)]/own), &
+               row%is_own(i))
+         else if (row%is_own(i) .or. ends(1, row%node(i)) == 0) then
+            call corner%add(row%node(i), matmul(along, -row%block(:, :, i)/own(1)), row%is_own(i))
+         else
+            ! Of another point only what supports prescribe is left.
+            share = row%block(:, :, i) - matmul(row%block(:, :, i), constraints%free_projector(row%node(i)))
+            if (maxval(abs(share)) > sum_rounding) call corner%add(row%node(i), matmul(along, -share/own(1)), .true.)
+         end if
       end do
       push = times_axes(free, pair%frame(:, :, p), 1.0_dp/own)
       call corner%add(pair%node(p), diagonal(spread(1.0_dp, 1, n)) - free + push, .true.)
