@@ -87,9 +87,10 @@ class SolidPairs(ProgramTest):
     def test_rings_in_each_other_have_the_pressure_of_lame(self):
         # A quarter of a tube of radii 0.5, 1 and 1.5 with an inner pressure of 10, held along its axis.
         def quarter(inner, outer, cells, element):
-            return mapped_solid(cells, element, lambda r, s, t: (
-                (inner + (outer - inner)*r)*math.cos(0.5*math.pi*s), (inner + (outer - inner)*r)*math.sin(0.5*math.pi*s),
-                0.4*t))
+            def place(r, s, t):
+                radius, angle = inner + (outer - inner)*r, 0.5*math.pi*s
+                return radius*math.cos(angle), radius*math.sin(angle), 0.4*t
+            return mapped_solid(cells, element, place)
 
         for inner, outer in (("tet10", "hex20"), ("hex20", "tet10"), ("tet10", "tet10")):
             self.write("inner.msh", quarter(0.5, 1.0, (4, 6, 2), inner))

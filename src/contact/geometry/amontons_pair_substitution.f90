@@ -189,7 +189,6 @@ contains
       type(sum_t) :: row
       real(dp), dimension(size(constraints%is_free, 1), size(constraints%is_free, 1)) :: along, free, half, share, push
       real(dp) :: own(size(constraints%is_free, 1))
-      integer, allocatable :: axes(:), columns(:)
       integer :: i, k, n, n_dim
 
       n = size(own)
@@ -214,22 +213,7 @@ contains
          own = [(row%block(k, k, i), k=1, n)]
          if (n_dim == 3) own = sum(free*row%block(:, :, i))/sum(free**2)
       end do
-      ! The displacement by the other terms: all of it or, if a support guides the corner along an axis, the length
-      ! along the axis with the same normal component (for bonded surfaces with the same component along the axis).
-      along = free
-      if (n_dim == 2 .and. .not. (is_tied .or. all(constraints%is_free(:2, pair%node(p))))) then
-         associate (axis => constraints%frame(:2, merge(1, 2, constraints%is_free(1, pair%node(p))), pair%node(p)), &
-            normal => pair%frame(:2, 1, p))
-            along(:2, :2) = spread(axis, 2, 2)*spread(normal, 1, 2)/dot_product(axis, normal)
-         end associate
-      else if (allocated(pair%is_fixed) .and. .not. (is_tied .or. all(constraints%is_free(:, pair%node(p))))) then
-         associate (own_axes => constraints%frame(:, :, pair%node(p)), frame => pair%frame(:, :, p))
-            axes = pack([(k, k=1, n)], constraints%is_free(:, pair%node(p)))
-            columns = pack([(k, k=1, n)], [.true., .not. pair%is_fixed(:, p)])
-            along = matmul(own_axes(:, axes), matmul(small_inverse(matmul(transpose(frame(:, columns)), &
-               own_axes(:, axes))), transpose(frame(:, columns))))
-         end associate
-      end if
+      along = along_guide(pair, p, is_tied, constraints)
       do i = 1, size(row%node)
          if (row%node(i) == pair%node(p) .or. maxval(abs(row%block(:, :, i))) <= sum_rounding) cycle
          if (n_dim == 2) then
@@ -249,6 +233,35 @@ contains
       if (pair%lead == 0 .or. pair%lead == pair%node(p)) return
       call corner%add(pair%lead, matmul(push, spread(pair%jump(:n), 2, n)*spread(pair%jump(:n), 1, n)), .true.)
    end subroutine solve_row
+
+   !> What of the displacement of a corner follows from that by the other terms of its row: all of it or, if a support
+   !> guides the corner along an axis, the length along the axis with the same normal component (for bonded surfaces
+   !> with the same component along the axis) (components, components) [-].
+   pure function along_guide(pair, p, is_tied, constraints) result(along)
+      type(mortar_pair_t), intent(in) :: pair !! the pair
+      integer, intent(in) :: p !! number of the point
+      logical, intent(in) :: is_tied !! whether w = 0
+      type(constraints_t), intent(in) :: constraints !! the supports
+      real(dp) :: along(size(constraints%is_free, 1), size(constraints%is_free, 1))
+      integer, allocatable :: axes(:), columns(:)
+      integer :: k, n
+
+      n = size(along, 1)
+      along = constraints%free_projector(pair%node(p))
+      if (size(constraints%place, 1) == 2 .and. .not. (is_tied .or. all(constraints%is_free(:2, pair%node(p))))) then
+         associate (axis => constraints%frame(:2, merge(1, 2, constraints%is_free(1, pair%node(p))), pair%node(p)), &
+            normal => pair%frame(:2, 1, p))
+            along(:2, :2) = spread(axis, 2, 2)*spread(normal, 1, 2)/dot_product(axis, normal)
+         end associate
+      else if (allocated(pair%is_fixed) .and. .not. (is_tied .or. all(constraints%is_free(:, pair%node(p))))) then
+         associate (own_axes => constraints%frame(:, :, pair%node(p)), frame => pair%frame(:, :, p))
+            axes = pack([(k, k=1, n)], constraints%is_free(:, pair%node(p)))
+            columns = pack([(k, k=1, n)], [.true., .not. pair%is_fixed(:, p)])
+            along = matmul(own_axes(:, axes), matmul(small_inverse(matmul(transpose(frame(:, columns)), &
+               own_axes(:, axes))), transpose(frame(:, columns))))
+         end associate
+      end if
+   end function along_guide
 
    !> A diagonal matrix (components, components) [-].
    pure function diagonal(entries) result(matrix)
