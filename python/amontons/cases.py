@@ -121,8 +121,10 @@ class Case:
 
     @cached_property
     def contacts(self) -> list[dict[str, Any]]:
-        """The groups `&contact` of its deck, those of the contact sets 1, 2, ..."""
-        return self.groups("contact")
+        """The groups `&contact` of its deck, those of the contact sets 1, 2, ...; none if pairs of a mesh file are
+        before them."""
+        is_from_file = any("contact" in mesh.get("use", ()) for mesh in self.groups("mesh"))
+        return [] if is_from_file else self.groups("contact")
 
     def groups(self, name: str) -> list[dict[str, Any]]:
         """The groups of a name in its deck."""

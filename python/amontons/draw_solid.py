@@ -313,13 +313,17 @@ def contact_sets(case: Case) -> list[ContactSet]:
     except OSError:
         contacts = []
     found: dict[int, list[Array]] = {}
+    is_point = grid.point_data["status"] > 0
     for kind, nodes in grid.cells:
         if kind not in OUTLINE:
             continue
         numbers = grid.point_data["set"][nodes].max(axis=1)  # a node may be a point of an earlier set
-        numbers = np.where((grid.point_data["status"][nodes] > 0).any(axis=1), numbers, 0)
+        numbers = np.where(is_point[nodes].any(axis=1), numbers, 0)
         for number in np.unique(numbers[numbers > 0]):
-            found.setdefault(int(number), []).append(nodes[numbers == number][:, OUTLINE[kind]])
+            outlines = nodes[numbers == number][:, OUTLINE[kind]]
+            if outlines.shape[1] > 4 and not is_point[outlines[:, 1::2]].any():
+                outlines = outlines[:, ::2]  # the points of a pair are corners
+            found.setdefault(int(number), []).append(outlines)
     return [ContactSet(case, contacts[number - 1] if number <= len(contacts) else {}, number,
                        Faces(outlines, np.arange(sum(map(len, outlines)))))
             for number, outlines in sorted(found.items())]
