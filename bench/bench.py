@@ -294,18 +294,42 @@ def cube_deck(folder, n, element="hex8", further=""):
     return deck
 
 
-def print_cubes(program, work, sizes):
-    """A cube of solids with all files, beside CalculiX, by turns: the quickest of three runs."""
-    rows = []
+def cubes_deck(folder, n):
+    """Such a cube on one of a cell less along each edge, which is held below."""
+    deck = folder / f"cubes_{n}.nml"
+    deck.write_text(
+        f"&mesh name = 'low'  kind = 'box'  size = 1.0, 1.0, 1.0  cells = {n - 1}, {n - 1}, {n - 1}  origin = 0.0, 0.0, -1.0 /\n"
+        f"&mesh name = 'high'  kind = 'box'  size = 1.0, 1.0, 1.0  cells = {n}, {n}, {n} /\n"
+        "&material young = 1.0  poisson = 0.3 /\n&support set = 'low.bottom'  ux = 0.0  uy = 0.0  uz = 0.0 /\n"
+        "&support set = 'high.top'  ux = 0.03  uy = 0.0075  uz = -0.02 /\n"
+        "&contact set = 'high.bottom'  against = 'low.top'  friction = 0.3 /\n")
+    return deck
+
+
+def phases(program, folder, deck):
+    """Runs a case; the processor time of the whole command, and its seconds of factorizing and condensing."""
+    used = run([program, "--quiet", "--threads", "1", "--output", folder, deck], threads=1)[1]["cpu"]
+    taken = json.loads((folder / f"{deck.stem}.summary.json").read_text())["seconds"]
+    return used, taken["factorize"] + taken["condense"]
+
+
+def print_cubes(program, work, sizes, has_pair=False):
+    """A cube of solids, or two, with all files, beside CalculiX, by turns: the quickest of three runs."""
+    rows, folder = [], work / "cubes"
     for n in sizes:
-        deck = cube_deck(work / "cubes", n)
-        ours, theirs, output = [], [], ""
+        deck = cube_deck(folder, n)
+        apart = [deck, cube_deck(folder, n - 1)] if has_pair else []
+        deck = cubes_deck(folder, n) if has_pair else deck
+        ours, theirs, shares, output = [], [], [], ""
         for _ in range(3):
-            ours.append(run([program, "--quiet", "--threads", "1", "--output", work / "cubes", deck], threads=1)[1]["cpu"])
+            used, condensed = phases(program, folder, deck)
+            ours.append(used)
+            if has_pair:
+                shares.append(condensed / sum(phases(program, folder, one)[1] for one in apart))
             if version_of("calculix-ccx"):
-                output, used = run([PYTHON, BENCH / "calculix_cube.py", n], threads=1)
+                output, used = run([PYTHON, BENCH / "calculix_cube.py", n, *([n - 1] if has_pair else [])], threads=1)
                 theirs.append(used["cpu"])
-        result = json.loads((work / "cubes" / f"{deck.stem}.summary.json").read_text())
+        result = json.loads((folder / f"{deck.stem}.summary.json").read_text())
         key = result["key_results"]
         row = [str(n), str(result["counts"]["dofs"]), str(result["iterations"]), seconds(min(ours)),
                f"{key['contact_force_z']:.6g}", f"{-key['contact_force_x']:.6g}"]
@@ -316,10 +340,11 @@ def print_cubes(program, work, sizes):
                     f"{100 * (friction / -key['contact_force_x'] - 1):+.4f} %"]
         else:
             row += ["not installed", "-", "-", "-"]
-        rows.append(row)
-    table("A cube of n x n x n hexahedra on a rough floor, processor time of the whole command on one thread",
+        rows.append(row + [f"{min(shares):.2f}" for _ in shares[:1]])
+    table(f"A cube of n x n x n hexahedra on {'one of n - 1 cells' if has_pair else 'a rough floor'}, processor time of the "
+          "whole command on one thread" + "; factorizing and condensing, over that of both apart" * has_pair,
           ["n", "unknowns", "steps", "s", "normal force", "friction", "CalculiX s", "times", "its normal force",
-           "its friction"], rows)
+           "its friction"] + ["apart, times"] * has_pair, rows)
 
 
 def print_solids(program, work, sizes, n_cases):
@@ -443,6 +468,7 @@ def main(build, work, is_full):
         ("ways of contact", print_beside, is_full),
         ("other programs", print_peers, (64, 128, 256) if is_full else (32, 64)),
         ("cubes", print_cubes, (8, 16, 24) if is_full else (8, 16)),
+        ("cubes on cubes", print_cubes, (8, 16, 25) if is_full else (8, 16), True),
         ("solids", print_solids, (("hex8", 16), ("hex8", 24), ("tet10", 8), ("hex20", 8)) + (("tet10", 16),) * is_full,
          51 if is_full else 11),
         ("reduced problems", print_reduced, (128, 256, 512, 1024) if is_full else (128, 256), rates),
