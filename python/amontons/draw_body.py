@@ -102,6 +102,22 @@ def joints(case: Case) -> Array:
     return found
 
 
+def slides_far(case: Case) -> bool:
+    """Whether gaps and normals are those at the moved places, so that bodies are drawn where they are."""
+    return "turn" in case.line.point_data
+
+
+def places_opposite(case: Case, factor: float) -> Array:
+    """Where obstacles are opposite the contact points, gaps magnified as displacements are (n, 2)."""
+    line = case.line
+    if slides_far(case):
+        places, gaps = line.points + line.point_data["displacement"], line.point_data["gap"]
+    else:
+        places, gaps = line.points, factor * initial_gaps(case)
+    found: Array = places[:, :2] + gaps[:, None] * line.point_data["normal"][:, :2]
+    return found
+
+
 def magnification(case: Case) -> float:
     """A round number that makes displacements visible: the largest then measures about a twelfth of the body.
     Displacements that are visible by themselves are drawn as they are, unless they are larger than the body; so are
@@ -110,7 +126,7 @@ def magnification(case: Case) -> float:
     gaps = np.abs(initial_gaps(case))
     size = np.ptp(case.mesh.points, axis=0).max()
     largest = np.abs(case.mesh.point_data["displacement"]).max()
-    if largest == 0.0 or np.nanmax(gaps, initial=0.0) > VISIBLE * size:
+    if slides_far(case) or largest == 0.0 or np.nanmax(gaps, initial=0.0) > VISIBLE * size:
         return 1.0
     wanted = size / 12.0 / largest
     most = max(1.0, VISIBLE * size / max(np.nanmax(gaps[joints(case)], initial=0.0), 1e-300))
@@ -128,7 +144,7 @@ def magnification_at(case: Case, points: Array) -> float:
     closed = np.nanmax(gaps[joints(case)[points]], initial=0.0)
     chord = at[-1] - at[0]
     bow = np.abs((at - at[0]) @ [chord[1], -chord[0]]).max() / max(np.hypot(*chord), 1e-300)
-    if min(bow, gap) > VISIBLE * size:
+    if slides_far(case) or min(bow, gap) > VISIBLE * size:
         return 1.0
     wanted = size / max(12.0 * largest, 8.0 * gap, closed / VISIBLE, 1e-300)
     return round_factor(wanted) if 1.0 < wanted < 1e12 else 1.0
@@ -220,7 +236,7 @@ def surfaces(case: Case, factor: float, window: Array) -> list[Array]:
     """The obstacles as lines: as the deck describes them, or, where gaps are magnified, through the places that they
     then have opposite the contact points; so, too, where an obstacle has moved or a file that describes it is gone."""
     gaps, line, found = initial_gaps(case), case.line, []
-    places = line.points[:, :2] + (factor * gaps)[:, None] * line.point_data["normal"][:, :2]
+    places = places_opposite(case, factor)
     size = np.ptp(window, axis=0).max()
     try:
         contacts = case.contacts
@@ -268,9 +284,9 @@ def window_of(case: Case, factor: float) -> Array:
     """What is shown of the plane: the body before and after, and what of the obstacles is near; lower left and upper
     right corner."""
     mesh, line, gaps = case.mesh, case.line, initial_gaps(case)
-    places = line.points[:, :2] + (factor * gaps)[:, None] * line.point_data["normal"][:, :2]
     size = np.ptp(mesh.points[:, :2], axis=0).max()
-    near = places[np.abs(factor * gaps) < size / 3]
+    gaps = line.point_data["gap"] if slides_far(case) else factor * gaps
+    near = places_opposite(case, factor)[np.abs(gaps) < size / 3]
     shown = np.concatenate([mesh.points[:, :2], near,
                             mesh.points[:, :2] + factor * mesh.point_data["displacement"][:, :2]])
     margin = 0.04 * np.ptp(shown, axis=0).max()

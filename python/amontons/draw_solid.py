@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from amontons.cases import Case, dimension_of
 from amontons.draw_body import (FIELD, OBSTACLE, OUTLINE, UNDEFORMED, UNIFORM, VISIBLE, draw_bar, field_of,
-                                initial_gaps, magnification, rounding, true_or_times)
+                                initial_gaps, magnification, rounding, slides_far, true_or_times)
 from amontons.draw_line import ROUNDING, STATUSES, Canvas
 from amontons.faces import Faces, Seen, View, boundary_faces, facing, look, smoothed
 from amontons.grid import Array, Grid
@@ -138,6 +138,9 @@ def obstacles(case: Case, factor: float) -> list[tuple[Array, Faces]]:
     size = np.ptp(case.mesh.points, axis=0).max()
     opposite = grid.points + gaps[:, None] * grid.point_data["normal"]
     places = grid.points + factor * gaps[:, None] * grid.point_data["normal"]
+    if slides_far(case):
+        near = np.where(grid.point_data["gap"] <= 2 * size, grid.point_data["gap"], np.nan)
+        opposite = places = grid.points + grid.point_data["displacement"] + near[:, None] * grid.point_data["normal"]
     for one in contact_sets(case):
         if "against" in one.contact:
             continue
