@@ -158,6 +158,10 @@ contains
       end do
       do i = 1, size(load_case%contacts)
          text = text//labeled('Contact', group_text(load_case%contacts(i), n_dim, units))
+         associate (surface => load_case%contacts(i)%obstacle%surface)
+            if (load_case%contacts(i)%obstacle%kind == 'surface') text = text//labeled('Triangles', &
+               to_text(size(surface%corner, 2))//trim(merge(', open  ', ', closed', surface%has_ends)))
+         end associate
          if (load_case%contacts(i)%partition%is_constant) then
             lengths = pack(body%zone%weight, body%zone%set == i)
             text = text//labeled('Multipliers', 'constant on '//to_text(size(lengths))//' cells of length '// &

@@ -201,6 +201,10 @@ contains
       integer :: p
 
       sentence = case_warning_sentence(no_contact, body%zone)
+      if (body%slides_far .and. .not. any(result%load_case%is_in_reach)) then
+         call result%warnings%add(sentence//'; no point is within search of what it may touch')
+         return
+      end if
       displacement = body%zone%rows%displacement(result%displacement)
       gap = result%load_case%gap - displacement(:body%zone%n_points)
       ! Of points that differ by rounding alone the first.

@@ -213,8 +213,9 @@ class Surfaces(ProgramTest):
 
     def test_listing_tells_the_triangles(self):
         self.solve(solid(PUSH, self.contact("floor.stl", FLOOR)))
-        self.assertIn(f"surface at (0.0, 0.0, 0.0), 2 triangles of {self.directory}/floor.stl, open",
-                      " ".join((self.directory / "case.lst").read_text(encoding="utf-8").split()))
+        text = " ".join((self.directory / "case.lst").read_text(encoding="utf-8").split())
+        self.assertRegex(text, f"obstacle 'surface'.* file '{self.directory}/floor.stl'")
+        self.assertIn("Triangles 2, open", text)
 
     def test_a_hundred_thousand_triangles_take_as_long_as_a_plane(self):
         ball = binary_stl(sphere(112, 30.0, (0.0, 0.0, -30.0)))
