@@ -241,7 +241,7 @@ contains
       name = foreign_format(input%text(input%position:min(len(input%text), input%position + longest_head)))
       if (name /= '') call input%refuse(name//' files are not read: save the mesh as one of Gmsh or Abaqus, or '// &
          'take it in Python by meshio and amontons.Mesh.from_meshio')
-      select case (input%text(min(input%position, len(input%text)):min(input%position, len(input%text))))
+      select case (input%text(input%position:min(input%position, len(input%text))))
       case ('$')
          if (any(raw%model%is_used)) call input%refuse( &
             'materials, supports, loads and contact can be used of Abaqus and CalculiX files only')
