@@ -48,7 +48,7 @@ module amontons_sliding
    type :: placement_t
       real(dp), allocatable :: base(:, :)
          !! what supports prescribe, 0 at nodes of no contact set (components, n_nodes) [L]
-      real(dp), allocatable :: v(:) !! displacements of the carriers beside it (carrier rows) [L]
+      real(dp), allocatable :: v(:) !! displacements of the retained points beside it (retained rows) [L]
       real(dp), allocatable :: moved(:, :) !! displacements of the nodes, 0 at others (components, n_nodes) [L]
       real(dp), allocatable :: place(:, :) !! their places (n_dim, n_nodes) [L]
    contains
@@ -56,11 +56,11 @@ module amontons_sliding
       procedure :: set_base => placement_set_base
    end type placement_t
 
-   !> The rows C of the points within reach, on the displacements of the carriers.
+   !> The rows C of the points within reach, on the displacements of the retained points.
    type :: near_rows_t
       integer, allocatable :: point(:) !! these points (near)
       integer, allocatable :: start(:) !! first entry of each row, and one beyond the last (rows + 1)
-      integer, allocatable :: column(:) !! the row of the carrier (entries)
+      integer, allocatable :: column(:) !! the row of the retained point (entries)
       real(dp), allocatable :: value(:) !! its coefficient (entries) [-]
       real(dp), allocatable :: base(:) !! what supports prescribe of it (rows) [L]
       logical, allocatable :: is_fixed(:) !! whether supports bear what acts along it (rows)
@@ -68,9 +68,9 @@ module amontons_sliding
       procedure :: multiply => near_rows_multiply
    end type near_rows_t
 
-   !> Where a step begins: what acted then, and the displacements and contact forces of the carriers.
+   !> Where a step begins: what acted then, and the displacements and contact forces of the retained points.
    type, extends(acting_t) :: beginning_t
-      real(dp), allocatable :: carried(:, :) !! as of `contact_solution_t` (carrier rows, 2) [L], [F]
+      real(dp), allocatable :: retained(:, :) !! as of `contact_solution_t` (retained rows, 2) [L], [F]
    end type beginning_t
 
    !> A search for the places of a step.
@@ -78,20 +78,20 @@ module amontons_sliding
       type(placement_t) :: now !! the nodes of the contact sets
       type(near_rows_t) :: rows !! the rows of the points within reach
       real(dp), allocatable :: gap(:) !! the gaps of all points there (m) [L]
-      real(dp), allocatable :: force(:) !! contact forces on the carriers (carrier rows) [F]
-      real(dp) :: change = 0.0_dp !! largest change of a displacement of a carrier [L]
+      real(dp), allocatable :: force(:) !! contact forces on the retained points (retained rows) [F]
+      real(dp) :: change = 0.0_dp !! largest change of a displacement of a retained point [L]
       real(dp) :: strain = 0.0_dp !! largest displacement by contact forces, by loads without them [L]
    end type search_t
 
 contains
 
-   !> Finds places and contact forces of a member. What acts on the body is in the posed problem on its carriers.
+   !> Finds places and contact forces of a member. What acts on the body is in the posed problem on its retained points.
    subroutine slide(body, loads, method, acting, problem, solution, error, before)
       type(body_t), intent(inout) :: body !! the body, condensed; its contact points are left at the places found
       type(load_family_t), intent(in) :: loads !! the family of loads
       class(contact_method_t), intent(in) :: method !! the contact method
       class(acting_t), intent(inout) :: acting !! the member; gains gaps, anchors and ways of obstacles at these places
-      type(contact_problem_t), intent(in) :: problem !! the problem on the carriers, for its load
+      type(contact_problem_t), intent(in) :: problem !! the problem on the retained points, for its load
       type(contact_solution_t), intent(inout) :: solution !! its forces are the start; the result on return
       type(error_t), allocatable, intent(out) :: error !! contact does not hold the body, or memory ran out
       type(beginning_t), intent(in), optional :: before !! the end of the step before; at rest if absent
@@ -105,13 +105,13 @@ contains
       integer :: i, m
 
       m = body%zone%n_points
-      allocate (search%force(body%carrier%n_rows), search%gap(m), source=0.0_dp)
+      allocate (search%force(body%retained%n_rows), search%gap(m), source=0.0_dp)
       last%v = search%force
       contacts = loads%base%contacts
       if (present(before)) then
          contacts = loads%contacts_of(before)
-         last%v = before%carried(:, 1)
-         search%force = before%carried(:, 2)
+         last%v = before%retained(:, 1)
+         search%force = before%retained(:, 2)
       end if
       call last%set_base(body, loads, before)
       call last%set(body)
@@ -151,7 +151,7 @@ contains
          solution%displacement = body%zone%rows%displacement(now%moved)
          acting%gap = merge(search%gap + solution%displacement(:m), out_of_reach*body%size, is_near)
          acting%is_in_reach = is_near
-         solution%carried = reshape([now%v, search%force], [size(now%v), 2])
+         solution%retained = reshape([now%v, search%force], [size(now%v), 2])
       end associate
       if (solution%is_converged) call check_ends(body, contacts, solution, error)
       if (solution%is_converged .and. .not. allocated(error)) call check_passage(body, contacts, is_near, &
@@ -232,7 +232,7 @@ contains
       logical :: is_near(body%zone%n_points)
 
       call now%set_base(body, loads, acting)
-      now%v = solution%carried(:, 1)
+      now%v = solution%retained(:, 1)
       call now%set(body)
       call move_zone(body%zone, loads%contacts_of(acting), now%place, gap, is_near, .false.)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone, slides_far=.true.)
@@ -266,19 +266,20 @@ contains
       load_case%cosine = 1.0_dp
    end subroutine take_displacement
 
-   !> What contact forces and displacements of the carriers leave of the load, |q - S v - f|, over these [-].
+   !> What contact forces and displacements of the retained points leave of the load, |q - S v - f|, over these [-].
    pure real(dp) function unbalanced_share(problem, solution) result(share)
-      type(contact_problem_t), intent(in) :: problem !! the problem on the carriers, posed
+      type(contact_problem_t), intent(in) :: problem !! the problem on the retained points, posed
       type(contact_solution_t), intent(in) :: solution !! the solution
       real(dp) :: strained(problem%matrix%n)
 
-      call problem%matrix%multiply_stiffness(solution%carried(:, 1), strained)
-      associate (q => problem%load, f => solution%carried(:, 2))
+      call problem%matrix%multiply_stiffness(solution%retained(:, 1), strained)
+      associate (q => problem%load, f => solution%retained(:, 2))
          share = maxval(abs(q - strained - f))/max(tiny(1.0_dp), maxval(abs(q)), maxval(abs(f)))
       end associate
    end function unbalanced_share
 
-   !> Sets what supports prescribe at the nodes of the contact sets. Tangential displacements of carriers include it.
+   !> Sets what supports prescribe at the nodes of the contact sets. Tangential displacements of retained points include
+   !> it.
    pure subroutine placement_set_base(self, body, loads, acting)
       class(placement_t), intent(inout) :: self !! the nodes
       type(body_t), intent(in) :: body !! the body
@@ -297,25 +298,25 @@ contains
             end do
          end associate
       end do
-      do i = 1, body%carrier%n_points
-         associate (frame => body%carrier%frame(:, 2:, i), base => self%base(:, body%carrier%node(i)), &
-            is_fixed => body%carrier%is_fixed(:, i))
+      do i = 1, body%retained%n_points
+         associate (frame => body%retained%frame(:, 2:, i), base => self%base(:, body%retained%node(i)), &
+            is_fixed => body%retained%is_fixed(:, i))
             base = base - matmul(frame, merge(0.0_dp, matmul(base, frame), is_fixed))
          end associate
       end do
    end subroutine placement_set_base
 
-   !> Sets displacements and places from those of the carriers.
+   !> Sets displacements and places from those of the retained points.
    pure subroutine placement_set(self, body)
       class(placement_t), intent(inout) :: self !! the nodes
       type(body_t), intent(in) :: body !! the body
       integer :: i
 
-      associate (carrier => body%carrier, x => body%mesh%coordinates)
+      associate (retained => body%retained, x => body%mesh%coordinates)
          self%moved(:, body%contact_node) = self%base(:, body%contact_node)
-         do i = 1, carrier%n_points
-            associate (node => carrier%node(i))
-               self%moved(:, node) = self%moved(:, node) + matmul(carrier%frame(:, :, i), self%v(i::carrier%n_points))
+         do i = 1, retained%n_points
+            associate (node => retained%node(i))
+               self%moved(:, node) = self%moved(:, node) + matmul(retained%frame(:, :, i), self%v(i::retained%n_points))
             end associate
          end do
          self%place(:, body%contact_node) = x(:, body%contact_node) + self%moved(:size(x, 1), body%contact_node)
@@ -369,17 +370,17 @@ contains
       end do
    end subroutine set_anchors
 
-   !> Makes the rows of some of the points on the displacements of the carriers.
+   !> Makes the rows of some of the points on the displacements of the retained points.
    pure subroutine new_near_rows(rows, body, now, is_near)
       type(near_rows_t), intent(out) :: rows !! the rows
       type(body_t), intent(in) :: body !! the body
       type(placement_t), intent(in) :: now !! the nodes, for what supports prescribe
       logical, intent(in) :: is_near(:) !! the points (m)
-      integer :: carrier_of(body%mesh%n_nodes), n, near, r, i, j, k, p
+      integer :: retained_of(body%mesh%n_nodes), n, near, r, i, j, k, p
 
-      associate (zone => body%zone, carrier => body%carrier)
-         carrier_of(body%contact_node) = 0
-         carrier_of(carrier%node) = [(i, i=1, carrier%n_points)]
+      associate (zone => body%zone, retained => body%retained)
+         retained_of(body%contact_node) = 0
+         retained_of(retained%node) = [(i, i=1, retained%n_points)]
          rows%point = pack([(p, p=1, zone%n_points)], is_near)
          near = size(rows%point)
          allocate (rows%start((1 + zone%n_tangents)*near + 1), source=1)
@@ -395,14 +396,14 @@ contains
                do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
                   associate (node => zone%rows%node(i), row => zone%rows%block(:, k, i), at => r + (k - 1)*near)
                      rows%base(at) = rows%base(at) + dot_product(row, now%base(:, node))
-                     if (carrier_of(node) == 0) cycle
-                     do j = 0, carrier%n_tangents
+                     if (retained_of(node) == 0) cycle
+                     do j = 0, retained%n_tangents
                         if (j > 0) then
-                           if (carrier%is_fixed(j, carrier_of(node))) cycle
+                           if (retained%is_fixed(j, retained_of(node))) cycle
                         end if
                         n = n + 1
-                        rows%column(n) = carrier_of(node) + j*carrier%n_points
-                        rows%value(n) = dot_product(row, carrier%frame(:, j + 1, carrier_of(node)))
+                        rows%column(n) = retained_of(node) + j*retained%n_points
+                        rows%value(n) = dot_product(row, retained%frame(:, j + 1, retained_of(node)))
                      end do
                   end associate
                end do
@@ -419,7 +420,7 @@ contains
    !> C v (rows) [L].
    pure function near_rows_multiply(self, v) result(product)
       class(near_rows_t), intent(in) :: self !! the rows
-      real(dp), intent(in) :: v(:) !! displacements of the carriers (carrier rows) [L]
+      real(dp), intent(in) :: v(:) !! displacements of the retained points (retained rows) [L]
       real(dp) :: product(size(self%base))
       integer :: r
 
@@ -459,12 +460,12 @@ contains
    !> H = G^T A^-1 G and N = A^-1 G H^-1 G^T; and b = H^-1 (R^T q + G^T A^-1 (w - C F q)).
    subroutine solve_near(found, search, body, loads, method, acting, problem, error)
       type(contact_solution_t), intent(inout) :: found !! the forces of all points to start from; the result on return
-      type(search_t), intent(inout) :: search !! rows and gaps; gains displacements and forces of the carriers
+      type(search_t), intent(inout) :: search !! rows and gaps; gains displacements and forces of the retained points
       type(body_t), intent(in) :: body !! the body
       type(load_family_t), intent(in) :: loads !! the family of loads
       class(contact_method_t), intent(in) :: method !! the contact method
       class(acting_t), intent(in) :: acting !! the member, with its anchors
-      type(contact_problem_t), intent(in) :: problem !! the problem on the carriers, for its load
+      type(contact_problem_t), intent(in) :: problem !! the problem on the retained points, for its load
       type(error_t), allocatable, intent(out) :: error !! contact does not hold the body, or memory ran out
       type(contact_operator_t), target :: matrix
       type(contact_problem_t) :: small

@@ -271,7 +271,7 @@ contains
       if (body%slides_far) then
          call solver%slide(body, acting, problem, result%solution, result%outcome, result%answer, kind)
          call solver%loads%load_case(body, acting, result%load_case)
-         if (allocated(result%solution%carried)) call take_places(body, solver%loads, acting, result%solution)
+         if (allocated(result%solution%retained)) call take_places(body, solver%loads, acting, result%solution)
       else
          call solver%solve(body, acting, problem, result%solution, result%outcome, result%answer, kind)
       end if

@@ -22,7 +22,7 @@ module amontons_body
    use amontons_material, only: material_t, new_materials
    use amontons_mesh, only: coloring_t, mesh_t, new_coloring, outer_sides
    use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t
-   use amontons_moved_zone, only: check_carriers, check_sliding, new_carrier_zone
+   use amontons_moved_zone, only: check_retained, check_sliding, new_retained_zone
    use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: bonds_of, join_corners, new_pair_substitution, new_tied_pairs
    use amontons_recovery_tables, only: recovery_tables_t
@@ -96,14 +96,14 @@ module amontons_body
          !! combinations of these motions that no contact point notices (motions, any) [-]
       logical :: is_motion_strained = .false. !! whether a free motion strains bonded pieces or meets supports a little
       type(contact_zone_t) :: zone !! the contact points; where they slide far, at their present places
-      type(contact_zone_t) :: carrier
+      type(contact_zone_t) :: retained
          !! the points that the body is condensed to: the contact points, or the nodes of sets that slide far
       logical :: slides_far = .false. !! whether the contact points slide far
       type(contact_zone_t), allocatable :: zone_at_rest !! the contact points at rest, where they slide far
       integer, allocatable :: contact_node(:) !! the nodes of contact sets, where they slide far
       real(dp), allocatable :: flexibility(:, :)
-         !! inverse of S on the carriers, where the points slide far; of a body with free motions that of S and a
-         !! multiple of their squares (carrier rows, carrier rows) [L/F]
+         !! inverse of S on the retained points, where the points slide far; of a body with free motions that of S and a
+         !! multiple of their squares (retained rows, retained rows) [L/F]
       type(free_boundary_t) :: free_boundary !! the boundary beyond the ends of the contact sets
       real(dp), allocatable :: inf_sup(:) !! inf-sup constant of each contact set; 1 with nodal multipliers [-]
       type(mortar_pair_t), allocatable :: ties(:) !! the surfaces that are bonded
@@ -201,7 +201,7 @@ contains
          call integrate_pair(points, body%ties(i), segments_again(body%ties(i)), is_again=.true.)
          call body%checked_tie_rows%add(points%rows)
       end do
-      call set_carriers(body, substitution, contacts, joined_area, error)
+      call choose_retained(body, substitution, contacts, joined_area, error)
       if (allocated(error)) return
       call set_motions(body)
       call number_unknowns(body, substitution, error)
@@ -257,7 +257,7 @@ contains
    end function strained_motions
 
    !> Chooses the points that the body is condensed to, and makes displacements of slaves sums of others.
-   subroutine set_carriers(body, substitution, contacts, joined_area, error)
+   subroutine choose_retained(body, substitution, contacts, joined_area, error)
       type(body_t), intent(inout) :: body !! the body, its contact points and ties found
       type(substitution_t), intent(out) :: substitution !! displacements of the nodes in terms of the unknowns
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
@@ -272,16 +272,16 @@ contains
             if (allocated(error)) return
             call share_parts(zone%rows, body%partner, joined_area)
             call let_guided_slaves_slip(zone, body%constraints, substitution)
-            body%carrier = zone
+            body%retained = zone
          else
-            call new_carrier_zone(body%carrier, body%contact_node, zone, body%constraints, x)
-            call check_carriers(body%carrier, body%meshed_body_t, body%ties, contacts, error)
+            call new_retained_zone(body%retained, body%contact_node, zone, body%constraints, x)
+            call check_retained(body%retained, body%meshed_body_t, body%ties, contacts, error)
             if (.not. allocated(error)) call new_pair_substitution(substitution, body%ties, zone%pairs(:0), &
                zone%rows%picked(nothing), zone%frame(:, :, nothing), body%constraints, x, error)
             body%zone_at_rest = zone
          end if
       end associate
-   end subroutine set_carriers
+   end subroutine choose_retained
 
    !> Lists the contact sets, supports and ties whose forces on the body are reported, by name.
    pure subroutine name_forces(list, supports, contacts, ties, error)
@@ -512,7 +512,7 @@ contains
       integer :: i
 
       body%lockable = pack([(i, i=1, size(body%driven))], body%driven%lock_time < huge(1.0_dp))
-      own = body%carrier%own_nodes(substitution)
+      own = body%retained%own_nodes(substitution)
       allocate (leads(0))
       do i = 1, size(body%lockable)
          associate (driven => body%driven(body%lockable(i)))
@@ -557,11 +557,11 @@ contains
       integer :: first, i, k, last, n
 
       call find_motions(body%motions, body, body%constraints, body%springs)
-      call find_rigid_modes(body%rigid_modes, body%carrier, body%motions, body%mesh%coordinates, is_mated=.false.)
+      call find_rigid_modes(body%rigid_modes, body%retained, body%motions, body%mesh%coordinates, is_mated=.false.)
       body%common_motions = resting_motions(body%rigid_modes)
       is_strained = strained_motions(body)
       body%is_motion_strained = any(is_strained)
-      allocate (travel(body%carrier%n_rows, size(is_strained)))
+      allocate (travel(body%retained%n_rows, size(is_strained)))
       last = 0
       n = 0
       do i = 1, size(body%motions)
@@ -615,14 +615,14 @@ contains
          call new_distributed_condenser(condenser, is_held, body%mesh, body%materials, body%springs, &
             body%constraints, body%dof_map, error)
          if (allocated(error)) return
-         call new_distributed_condensation(body%condensation, condenser, is_held, body%carrier, body%constraints, &
+         call new_distributed_condensation(body%condensation, condenser, is_held, body%retained, body%constraints, &
             body%dof_map, error)
       else
          call assemble_stiffness(stiffness, body%mesh, body%materials, body%springs, body%coloring, &
             body%constraints, body%dof_map, error)
          if (allocated(error)) return
          call timings%begin(phase_factorize)
-         call new_condensation(body%condensation, stiffness, suited, is_held, body%carrier, body%constraints, &
+         call new_condensation(body%condensation, stiffness, suited, is_held, body%retained, body%constraints, &
             body%dof_map, error)
       end if
       if (allocated(error)) call explain_refusal(body, error)
@@ -645,7 +645,7 @@ contains
       call new_contact_problem(problem, body%condensation%matrix)
       if (allocated(body%condensation%softness)) problem%softness = body%condensation%softness
       ! Free motions cause no strain: their product with S is the rounding error of the condensation of stiff bodies.
-      allocate (force(body%carrier%n_rows))
+      allocate (force(body%retained%n_rows))
       ! The products of all pieces are summed.
       most_motions = maxval(body%motions%n_motions)
       do i = 1, min(most_motions, size(body%travel, 2))
@@ -669,8 +669,8 @@ contains
 
       ! The unknown of a node may be the displacement of its point, or the jump of a tie.
       is_at_rest = .false.
-      is_at_rest(body%carrier%rows%node(body%carrier%rows%start(body%carrier%mean_point))) = .true.
-      pairs = [body%ties, body%carrier%pairs]
+      is_at_rest(body%retained%rows%node(body%retained%rows%start(body%retained%mean_point))) = .true.
+      pairs = [body%ties, body%retained%pairs]
       do i = 1, size(pairs)
          if (pairs(i)%is_set() .and. .not. allocated(pairs(i)%cells)) is_at_rest(pairs(i)%node) = .true.
       end do
@@ -709,7 +709,7 @@ contains
       associate (n => body%dof_map%n_dofs)
          is_distributed = body%dof_map%n_schur < n .and. (options%factorization == 'distributed' .or. &
             (options%factorization == 'auto' .and. n_ranks > 1 .and. n > least_unknowns .and. &
-            .not. may_suit_band(n, options%form, body%carrier)))
+            .not. may_suit_band(n, options%form, body%retained)))
       end associate
    end function is_distributed
 
@@ -742,7 +742,7 @@ contains
          return
       end if
       may_touch = .false.
-      may_touch(body%carrier%rows%node) = .true.
+      may_touch(body%retained%rows%node) = .true.
       do i = 1, size(body%motions)
          associate (motions => body%motions(i))
             if (motions%n_free == 0 .or. any(may_touch(motions%node))) cycle
@@ -804,7 +804,7 @@ contains
       call check_held(body, error)
       if (allocated(error)) return
       call timings%begin(phase_assemble)
-      estimate%n_rows = body%carrier%n_rows
+      estimate%n_rows = body%retained%n_rows
       if (is_distributed(body, options)) then
          estimate%n_ranks = n_ranks
          call timings%begin(phase_factorize)
@@ -816,7 +816,7 @@ contains
             body%constraints, body%dof_map, error)
          if (allocated(error)) return
          call timings%begin(phase_factorize)
-         if (.not. body%slides_far) call find_band_order(stiffness, options%form, body%carrier, order)
+         if (.not. body%slides_far) call find_band_order(stiffness, options%form, body%retained, order)
          if (allocated(order)) then
             estimate%half_width = half_bandwidth(stiffness, order)
             estimate%n_rows = stiffness%n
@@ -832,9 +832,9 @@ contains
       estimate%n_entries = condenser%n_factor_entries
       ! The contact problem: dense matrices, of contact points, of a step for Newton's method, of nodes behind cells;
       ! of a band the matrix and its factor, both twice, and the factors of a step; and the rows of its points in files.
-      n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*real(body%carrier%n_rows, dp)**2
-      if (.not. all(body%carrier%is_own)) n_entries = n_entries &
-         + real(body%dof_map%n_schur + body%carrier%n_rows, dp)**2
+      n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*real(body%retained%n_rows, dp)**2
+      if (.not. all(body%retained%is_own)) n_entries = n_entries &
+         + real(body%dof_map%n_schur + body%retained%n_rows, dp)**2
       if (estimate%half_width > 0) n_entries = n_entries + 7.0_dp*(estimate%half_width + 1)*estimate%n_rows
       estimate%memory_mb = max(peak_memory_mb(), resident_memory_mb() + condenser%memory_mb() &
          + (8.0e-6_dp*n_entries + of_point*body%zone%n_points))

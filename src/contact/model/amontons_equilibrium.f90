@@ -81,7 +81,7 @@ contains
       real(dp), allocatable :: imbalance(:), internal(:, :)
 
       call body%internal_forces(internal, displacement, load_case%element_load)
-      imbalance = to_unknowns(load_case%force + body%carrier%rows%forces(force, body%mesh%n_nodes) &
+      imbalance = to_unknowns(load_case%force + body%retained%rows%forces(force, body%mesh%n_nodes) &
          - internal, body%constraints, body%dof_map)
    end function imbalance
 

@@ -349,10 +349,10 @@ contains
    pure function prescribed_slip(body, load_case) result(slip)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! the load case
-      real(dp) :: slip(body%carrier%n_rows - body%carrier%n_points), prescribed(body%carrier%n_rows)
+      real(dp) :: slip(body%retained%n_rows - body%retained%n_points), prescribed(body%retained%n_rows)
 
-      prescribed = body%carrier%rows%displacement(load_case%prescribed)
-      slip = body%carrier%free_slips(prescribed(body%carrier%n_points + 1:))
+      prescribed = body%retained%rows%displacement(load_case%prescribed)
+      slip = body%retained%free_slips(prescribed(body%retained%n_points + 1:))
    end function prescribed_slip
 
    !> Computes the displacements of all nodes from the solution of the contact problem.
@@ -380,7 +380,7 @@ contains
       real(dp), allocatable :: unknowns(:, :), v(:, :)
       integer :: k, m
 
-      m = body%carrier%n_points
+      m = body%retained%n_points
       v = solution
       do k = 1, size(load_cases)
          v(m + 1:, k) = v(m + 1:, k) - prescribed_slip(body, load_cases(k))
@@ -445,7 +445,7 @@ contains
       deallocate (family%base%force, family%base%prescribed)
       if (allocated(load_case%element_load)) deallocate (family%base%element_load)
       allocate (family%parts(parting%n_parts))
-      allocate (family%load(body%carrier%n_rows, parting%n_parts), family%largest(parting%n_parts))
+      allocate (family%load(body%retained%n_rows, parting%n_parts), family%largest(parting%n_parts))
       allocate (family%prescribed(body%zone%n_points, parting%n_parts), family%has_force(parting%n_parts), &
          family%has_displacement(parting%n_parts), family%uncanceled(2, parting%n_parts))
       allocate (is_loaded, mold=body%constraints%is_free)
@@ -526,7 +526,7 @@ contains
       type(body_t), intent(in) :: body !! the body, condensed
       type(contact_problem_t), intent(in) :: problem !! its contact problem
       real(dp), allocatable :: forces(:, :), internal(:, :)
-      real(dp) :: slip(body%carrier%n_rows - body%carrier%n_points), from_slip(body%carrier%n_rows)
+      real(dp) :: slip(body%retained%n_rows - body%retained%n_points), from_slip(body%retained%n_rows)
       integer :: k
 
       do k = 1, size(self%parts)
@@ -547,7 +547,7 @@ contains
             slip = prescribed_slip(body, part)
          end associate
          if (.not. any(abs(slip) > 0.0_dp)) cycle
-         call problem%matrix%multiply_stiffness([spread(0.0_dp, 1, body%carrier%n_points), slip], from_slip)
+         call problem%matrix%multiply_stiffness([spread(0.0_dp, 1, body%retained%n_points), slip], from_slip)
          self%load(:, k) = self%load(:, k) + from_slip
       end do
    end subroutine load_family_condense

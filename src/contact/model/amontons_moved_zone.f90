@@ -14,7 +14,7 @@ module amontons_moved_zone
    implicit none (type, external)
    private
 
-   public :: check_carriers, check_sliding, move_zone, new_carrier_zone
+   public :: check_retained, check_sliding, move_zone, new_retained_zone
 
 contains
 
@@ -120,16 +120,16 @@ contains
    end subroutine check_sliding
 
    !> Refuses sets that slide far and contain nodes that move with others: those of rigid sets and slaves of ties.
-   subroutine check_carriers(carrier, body, ties, contacts, error)
-      type(contact_zone_t), intent(in) :: carrier !! the nodes of its contact sets
+   subroutine check_retained(retained, body, ties, contacts, error)
+      type(contact_zone_t), intent(in) :: retained !! the nodes of its contact sets
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(error_t), allocatable, intent(out) :: error !! there is such a node
       integer :: i, k
 
-      do i = 1, carrier%n_points
-         associate (node => carrier%node(i))
+      do i = 1, retained%n_points
+         associate (node => retained%node(i))
             if (body%constraints%rigid_of(node) == 0 .and. &
                .not. any([(any(ties(k)%slave%side(:size(ties(k)%slave%side, 1) - 1, :) == node), &
                k=1, size(ties))])) cycle
@@ -138,57 +138,57 @@ contains
             return
          end associate
       end do
-   end subroutine check_carriers
+   end subroutine check_retained
 
    !> The nodes of sets that slide far, those of masters among them, as points: a body is condensed to these, and rows
    !> of the contact points are made of them in each place anew. Their first direction is free of supports.
-   pure subroutine new_carrier_zone(carrier, nodes, zone, constraints, coordinates)
-      type(contact_zone_t), intent(out) :: carrier !! these points
+   pure subroutine new_retained_zone(retained, nodes, zone, constraints, coordinates)
+      type(contact_zone_t), intent(out) :: retained !! these points
       integer, allocatable, intent(out) :: nodes(:) !! these nodes and those that supports hold
       type(contact_zone_t), intent(in) :: zone !! the contact points
       type(constraints_t), intent(in) :: constraints !! the supports
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
-      logical :: is_carrier(size(coordinates, 2))
+      logical :: is_retained(size(coordinates, 2))
       integer :: i, k, p, n, first
 
-      is_carrier = .false.
-      is_carrier(zone%rows%node) = .true.
+      is_retained = .false.
+      is_retained(zone%rows%node) = .true.
       do i = 1, size(zone%pairs)
          if (.not. zone%pairs(i)%is_set()) cycle
          associate (slave => zone%pairs(i)%slave%side, master => zone%pairs(i)%master%side)
             do k = 1, size(slave, 1) - 1
-               is_carrier(pack(slave(k, :), slave(k, :) > 0)) = .true.
-               is_carrier(pack(master(k, :), master(k, :) > 0)) = .true.
+               is_retained(pack(slave(k, :), slave(k, :) > 0)) = .true.
+               is_retained(pack(master(k, :), master(k, :) > 0)) = .true.
             end do
          end associate
       end do
-      nodes = pack([(i, i=1, size(is_carrier))], is_carrier)
-      carrier%node = pack([(i, i=1, size(is_carrier))], is_carrier .and. any(constraints%is_free, dim=1))
-      carrier%n_points = size(carrier%node)
-      carrier%n_tangents = zone%n_tangents
+      nodes = pack([(i, i=1, size(is_retained))], is_retained)
+      retained%node = pack([(i, i=1, size(is_retained))], is_retained .and. any(constraints%is_free, dim=1))
+      retained%n_points = size(retained%node)
+      retained%n_tangents = zone%n_tangents
       n = 1 + zone%n_tangents
-      carrier%n_rows = n*carrier%n_points
-      allocate (carrier%frame(n, n, carrier%n_points), carrier%is_fixed(n - 1, carrier%n_points))
-      do p = 1, carrier%n_points
-         associate (is_free => constraints%is_free(:, carrier%node(p)))
+      retained%n_rows = n*retained%n_points
+      allocate (retained%frame(n, n, retained%n_points), retained%is_fixed(n - 1, retained%n_points))
+      do p = 1, retained%n_points
+         associate (is_free => constraints%is_free(:, retained%node(p)))
             first = findloc(is_free, .true., dim=1)
             associate (axes => cshift([(k, k=1, n)], first - 1))
-               carrier%frame(:, :, p) = constraints%frame(:, axes, carrier%node(p))
-               carrier%is_fixed(:, p) = .not. is_free(axes(2:))
+               retained%frame(:, :, p) = constraints%frame(:, axes, retained%node(p))
+               retained%is_fixed(:, p) = .not. is_free(axes(2:))
             end associate
          end associate
       end do
-      allocate (carrier%is_own(carrier%n_points), source=.true.)
-      allocate (carrier%is_cell(carrier%n_points), source=.false.)
-      allocate (carrier%set(carrier%n_points), source=1)
-      allocate (carrier%weight(carrier%n_points), carrier%area(carrier%n_points), source=1.0_dp)
-      allocate (carrier%mean_point(0), carrier%pairs(1))
-      if (allocated(zone%line)) allocate (carrier%line)
-      if (allocated(zone%line)) allocate (carrier%line%next(carrier%n_points), source=0)
-      carrier%rows = contact_rows_t([(p, p=1, carrier%n_points + 1)], carrier%node, carrier%frame)
-      carrier%position = coordinates(:, carrier%node)
-      carrier%acting = carrier%position
-      carrier%foot = carrier%position
-   end subroutine new_carrier_zone
+      allocate (retained%is_own(retained%n_points), source=.true.)
+      allocate (retained%is_cell(retained%n_points), source=.false.)
+      allocate (retained%set(retained%n_points), source=1)
+      allocate (retained%weight(retained%n_points), retained%area(retained%n_points), source=1.0_dp)
+      allocate (retained%mean_point(0), retained%pairs(1))
+      if (allocated(zone%line)) allocate (retained%line)
+      if (allocated(zone%line)) allocate (retained%line%next(retained%n_points), source=0)
+      retained%rows = contact_rows_t([(p, p=1, retained%n_points + 1)], retained%node, retained%frame)
+      retained%position = coordinates(:, retained%node)
+      retained%acting = retained%position
+      retained%foot = retained%position
+   end subroutine new_retained_zone
 
 end module amontons_moved_zone

@@ -361,11 +361,11 @@ contains
       real(dp), allocatable :: forces(:, :)
       integer :: i, j
 
-      allocate (form%of_part(size(tests), size(fields, 3)), form%of_displacement(body%carrier%n_rows, size(tests)), &
-         form%of_contact(body%carrier%n_rows, size(tests)), source=0.0_dp)
+      allocate (form%of_part(size(tests), size(fields, 3)), form%of_displacement(body%retained%n_rows, size(tests)), &
+         form%of_contact(body%retained%n_rows, size(tests)), source=0.0_dp)
       do i = 1, size(tests)
          associate (test => tests(i))
-            ! Where points slide far their forces are no fixed sums of those on the carriers: `contact_values`.
+            ! Where points slide far their forces are no fixed sums of those on the retained points: `contact_values`.
             if (allocated(test%contact) .and. .not. body%slides_far) form%of_contact(:, i) = test%contact
             if (.not. (allocated(test%held) .or. allocated(test%pulled))) cycle
             forces = 0.0_dp*fields(:, :, 1)
@@ -375,7 +375,7 @@ contains
                   form%of_part(i, j) = -sum(test%held*loads(:, :, j))
                   if (test%driven > 0) form%of_part(i, j) = form%of_part(i, j) + parts(j)%driven(test%driven)
                end do
-               form%of_contact(:, i) = form%of_contact(:, i) + body%carrier%rows%displacement(test%held)
+               form%of_contact(:, i) = form%of_contact(:, i) + body%retained%rows%displacement(test%held)
             end if
             if (allocated(test%pulled)) forces = forces + test%pulled
             do j = 1, size(fields, 3)

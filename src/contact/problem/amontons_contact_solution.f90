@@ -26,9 +26,9 @@ module amontons_contact_solution
    type :: contact_solution_t
       real(dp), allocatable :: force(:) !! lambda = (lambda_N; lambda_T) (n) [F]
       real(dp), allocatable :: displacement(:) !! v = (u_N; u_T) (n) [L]
-      real(dp), allocatable :: carried(:, :)
+      real(dp), allocatable :: retained(:, :)
          !! displacements and contact forces of the nodes that the body is condensed to; allocated where bodies slide
-         !! far (carrier rows, 2) [L], [F]
+         !! far (retained rows, 2) [L], [F]
       integer, allocatable :: status(:) !! status of each point, see `amontons_friction_law` (m)
       logical :: is_converged = .false. !! whether the residual is at most the tolerance
       logical :: is_at_rest = .false. !! whether the method stopped because its forces no longer changed
@@ -103,14 +103,14 @@ contains
    end subroutine new_contact_solution
 
    !> Displacements or contact forces that the body is condensed to: those of the points, or of the nodes of sets that
-   !> slide far (carrier rows) [L], [F].
+   !> slide far (retained rows) [L], [F].
    pure function contact_solution_of_body(self, kind) result(values)
       class(contact_solution_t), intent(in) :: self !! the solution
       integer, intent(in) :: kind !! 1 for displacements, 2 for forces
       real(dp), allocatable :: values(:)
 
-      if (allocated(self%carried)) then
-         values = self%carried(:, kind)
+      if (allocated(self%retained)) then
+         values = self%retained(:, kind)
       else if (kind == 1) then
          values = self%displacement
       else

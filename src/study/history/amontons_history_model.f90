@@ -136,7 +136,7 @@ contains
       real(dp), allocatable :: forces(:, :), loads(:, :, :), fields(:, :), internal(:, :)
       integer :: j, m, n
 
-      m = body%carrier%n_rows
+      m = body%retained%n_rows
       n = size(parts)
       form%stiffness = body%condensation%condenser%matrix_norm
       allocate (form%strain(n, n), form%load(n, n), form%strain_row(m, n), form%load_row(m, n), form%prescribed(m, n))
@@ -153,7 +153,7 @@ contains
          form%strain_row(:, j) = condensed_force(body, forces)
          form%load_row(:, j) = condensed_force(body, loads(:, :, j))
          if (any(abs(parts(j)%prescribed) > 0.0_dp)) tests(j)%held = parts(j)%prescribed
-         form%prescribed(:, j) = body%carrier%rows%displacement(parts(j)%prescribed)
+         form%prescribed(:, j) = body%retained%rows%displacement(parts(j)%prescribed)
       end do
       call transposed_product(fields, internal, form%strain)
       call new_force_form(form%forces, body, tests, parts, form%field, loads)
@@ -256,7 +256,7 @@ contains
       ! Finds what the displacements of the probes are in terms of the contact displacements.
       if (allocated(model%probe_row)) deallocate (model%probe_row)
       associate (n => size(unit, 1))
-         allocate (model%probe_row(body%carrier%n_rows, n*size(model%probe)))
+         allocate (model%probe_row(body%retained%n_rows, n*size(model%probe)))
          do i = 1, size(model%probe)
             do component = 1, n
                unit = 0.0_dp
@@ -410,7 +410,7 @@ contains
 
       m = body%zone%n_points
       call new_contact_solution(state%solution, m, body%zone%n_tangents)
-      if (body%slides_far) allocate (state%solution%carried(body%carrier%n_rows, 2), source=0.0_dp)
+      if (body%slides_far) allocate (state%solution%retained(body%retained%n_rows, 2), source=0.0_dp)
       call model%solver%loads%at_rest(state%instant)
       state%instant%factor = 0.0_dp
       state%slip = 0.0_dp*state%instant%anchor
@@ -463,7 +463,7 @@ contains
          after%reason = ''
       else if (body%slides_far) then
          begin%acting_t = before%instant%acting_t
-         begin%carried = before%solution%carried
+         begin%retained = before%solution%retained
          call model%solver%slide(body, after%instant, problem, after%solution, after%outcome, after%reason, &
             after%error_kind, begin)
       else
@@ -510,7 +510,7 @@ contains
 
       n_state_numbers = n_single + size(body%lockable) + (n_scalars + n_normals + n_tangentials*body%zone%n_tangents) &
          *body%zone%n_points
-      if (body%slides_far) n_state_numbers = n_state_numbers + body%zone%n_rows + 2*body%carrier%n_rows
+      if (body%slides_far) n_state_numbers = n_state_numbers + body%zone%n_rows + 2*body%retained%n_rows
    end function n_state_numbers
 
    !> The numbers from which a state is restored, the time first; everything else follows.
@@ -548,11 +548,11 @@ contains
       call archive%pass(state%worn)
       call archive%pass(state%instant%added_gap)
       call archive%pass(state%wear_depth)
-      if (.not. allocated(state%solution%carried)) return
+      if (.not. allocated(state%solution%retained)) return
       call archive%pass(state%instant%gap)
       call archive%pass(state%instant%motion)
-      call archive%pass(state%solution%carried(:, 1))
-      call archive%pass(state%solution%carried(:, 2))
+      call archive%pass(state%solution%retained(:, 1))
+      call archive%pass(state%solution%retained(:, 2))
    end subroutine visit
 
    !> Restores a state from its numbers, to the last bit. It must be in equilibrium with the body: the state of another
@@ -582,7 +582,7 @@ contains
       call new_contact_solution(state%solution, m, body%zone%n_tangents)
       allocate (state%lock(size(body%lockable)), state%accumulated_slip(m), state%dissipation(m), state%worn(m), &
          state%wear_depth(m))
-      if (body%slides_far) allocate (state%solution%carried(body%carrier%n_rows, 2))
+      if (body%slides_far) allocate (state%solution%retained(body%retained%n_rows, 2))
       archive = archive_t(numbers, is_read=.true.)
       call visit(state, archive)
       if (body%slides_far) then
@@ -645,7 +645,7 @@ contains
       change = after%instant%factor - before%instant%factor
       mean_force = 0.0_dp*force
       v_change = v
-      if (allocated(after%solution%carried) .eqv. allocated(before%solution%carried)) then
+      if (allocated(after%solution%retained) .eqv. allocated(before%solution%retained)) then
          mean_force = before%solution%of_body(2)
          v_change = v - before%solution%of_body(1)
       end if
@@ -660,7 +660,7 @@ contains
       taken = 0.5_dp*(after%bound + before%bound)*tangential_norm(after%slip, m)
       pressed = 0.5_dp*(after%solution%force(:m) + before%solution%force(:m))
       slip = after%slip
-      if (allocated(after%solution%carried)) then
+      if (allocated(after%solution%retained)) then
          obstacle_work = -0.5_dp*dot_product(after%solution%force + before%solution%force, after%instant%way)
          missing = 0.0_dp
          missing(:min(1, m)) = dot_product(mean_force, whole_change) + obstacle_work - sum(taken)
