@@ -255,6 +255,11 @@ contains
       end if
       call describe_solver(visitor, config)
       call describe_output(visitor, config%sweep, config%history)
+      if (.not. (config%history%has_fretting .and. allocated(config%contacts))) return
+      call visitor%require(.not. any(config%materials%is_twisted), 'fretting', &
+         "fretting = 'parameters' does not go with twist = .true.")
+      call visitor%require(.not. any(config%contacts%slides_far()), 'fretting', &
+         "fretting = 'parameters' does not go with sliding = 'finite'")
    end subroutine describe_config
 
    !> Describes all `&mesh`; a reader allocates the items of the other groups, behind those of a mesh file.
@@ -364,18 +369,24 @@ contains
             method%space == 'primal'), 'space', &
             "space must be 'dual' for a reduced problem, which has no stiffness to sweep on")
          if (.not. allocated(config%contacts)) return
-         call visitor%require(.not. (config%condensation%form == 'band' .and. &
-            config%condensation%factorization == 'distributed'), &
-            'condensation', "condensation must be 'dense' or 'auto' with factorization 'distributed'")
-         call visitor%require(.not. (config%condensation%form == 'band' .and. &
-            any(config%supports%lock_time < huge(1.0_dp))), 'condensation', &
-            "condensation must be 'dense' or 'auto' with lock_time")
-         call visitor%require(.not. (config%condensation%form == 'band' .and. &
-            any(config%contacts%partition%is_constant)), &
-            'condensation', "condensation must be 'dense' or 'auto' with constant multipliers")
-         if (allocated(config%materials)) call visitor%require(.not. (config%condensation%form == 'band' .and. &
-            any(config%materials%is_twisted)), 'condensation', "condensation must be 'dense' or 'auto' with twist")
+         call refuse_band(config%condensation%factorization == 'distributed', "factorization 'distributed'")
+         call refuse_band(any(config%supports%lock_time < huge(1.0_dp)), 'lock_time')
+         call refuse_band(any(config%contacts%partition%is_constant), 'constant multipliers')
+         call refuse_band(any(config%contacts%slides_far()), "sliding = 'finite'")
+         call refuse_band(any(config%materials%is_twisted), 'twist')
       end associate
+
+   contains
+
+      !> Refuses a band matrix where it does not go with something.
+      subroutine refuse_band(is_given, what)
+         logical, intent(in) :: is_given !! whether the deck has it
+         character(*), intent(in) :: what !! its name
+
+         call visitor%require(.not. (config%condensation%form == 'band' .and. is_given), 'condensation', &
+            "condensation must be 'dense' or 'auto' with "//what)
+      end subroutine refuse_band
+
    end subroutine describe_solver
 
    !> Refuses names that the mesh does not have, and keys of a plane body for a solid or the reverse, all in one error.

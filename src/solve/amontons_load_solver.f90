@@ -164,11 +164,16 @@ contains
       character(:), allocatable, intent(out) :: reason !! why there is no solution; empty for one not converged
       integer, intent(out) :: error_kind !! kind of the error that the reason is
       type(beginning_t), intent(in), optional :: before !! the end of the step before; at rest if absent
+      type(load_case_t) :: load_case
       type(error_t), allocatable :: error
 
       reason = ''
       error_kind = numerical_failure
       call slide(body, self%loads, self%method, acting, problem, solution, error, before)
+      if (.not. (allocated(error) .or. solution%is_converged)) then
+         call self%loads%load_case(body, acting, load_case)
+         call check_balance(body, load_case, error)
+      end if
       outcome = merge(outcome_solved, outcome_not_converged, solution%is_converged)
       if (.not. allocated(error)) return
       solution%is_converged = .false.

@@ -437,7 +437,7 @@ contains
       real(dp), intent(out) :: turn !! the motion across the distance, over it [rad]
       integer, intent(out) :: at !! one of the two nodes; 0 if there is no strain
       real(dp), dimension(size(mesh%coordinates, 1), max_corners) :: x, u
-      real(dp) :: distance(size(mesh%coordinates, 1)), elongation, square
+      real(dp) :: distance(size(mesh%coordinates, 1)), across, elongation, square
       integer :: element, i, k, n, n_dim, node
 
       strain = 0.0_dp
@@ -455,13 +455,15 @@ contains
                ! Times the distance, whose square an element's area has in it, too.
                elongation = abs(dot_product(u(:, i) - u(:, k), distance))
                square = dot_product(distance, distance)
-               turn = max(turn, sqrt(max(0.0_dp, sum((u(:, i) - u(:, k))**2) - elongation**2/square)/square))
+               across = sum((u(:, i) - u(:, k))**2)*square - elongation**2
+               if (across > turn*square**2) turn = across/square**2
                if (.not. exceeds(elongation, strain*square)) cycle
                strain = elongation/square
                at = node
             end do
          end do
       end do
+      turn = sqrt(turn)
    end subroutine find_largest_strain
 
    !> The point of the largest pressure, if this is more than twice the pressure of each neighbor; otherwise, and where

@@ -19,8 +19,9 @@ module amontons_sliding
    use amontons_contact_zone, only: contact_zone_t, recompute_pairs
    use amontons_dense, only: cholesky_factor, cholesky_inverse, cholesky_solve, symmetric_multiply
    use amontons_error, only: error_t, input_refused, new_error, no_equilibrium, numerical_failure
+   use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
-   use amontons_load_family, only: acting_t, load_case_t, load_family_t, obstacle_motion_t
+   use amontons_load_family, only: acting_t, load_case_t, load_family_t, obstacle_motion_t, out_of_reach
    use amontons_methods, only: solve_components
    use amontons_moved_zone, only: move_zone
    use amontons_rounding, only: difference_rounding, exceeds
@@ -33,9 +34,6 @@ module amontons_sliding
 
    !> Largest number of searches for the places of a step.
    integer, parameter :: n_searches = 30
-
-   !> Gap of a point that faces nothing, over the body's size [-].
-   real(dp), parameter :: out_of_reach = 1.0e3_dp
 
    !> Number of searches that choose which hats are slivers; later ones keep the choice, which could alternate.
    integer, parameter :: n_choices = 3
@@ -235,7 +233,7 @@ contains
       now%v = solution%retained(:, 1)
       call now%set(body)
       call move_zone(body%zone, loads%contacts_of(acting), now%place, gap, is_near, .false.)
-      call recompute_pairs(body%checked_rows, body%gap_change, body%zone, slides_far=.true.)
+      call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
    end subroutine take_places
 
    !> Puts the contact points of a case where its displacements have them, with the gaps and anchors there.
@@ -253,7 +251,7 @@ contains
       rest%moved = 0.0_dp*displacement
       call move_zone(body%zone, load_case%contacts, rest%place + displacement(:size(rest%place, 1), :), gap, &
          load_case%is_in_reach, .false.)
-      call recompute_pairs(body%checked_rows, body%gap_change, body%zone, slides_far=.true.)
+      call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
       acting%anchor = load_case%anchor
       acting%motion = load_case%obstacle_motion
       call set_anchors(acting, body%zone, body%mesh%coordinates, rest, frame)
@@ -557,15 +555,14 @@ contains
                force(rows%column(k)) = force(rows%column(k)) + rows%value(k)*near%force(i)
             end do
          end do
-         call new_contact_solution(found, m, body%zone%n_tangents)
+         found%force = 0.0_dp
          found%force(places) = near%force
+         found%status = open_point
          found%status(rows%point) = near%status
-         found%is_converged = near%is_converged
-         found%n_iterations = near%n_iterations
-         found%effort = near%effort
-         found%residual = near%residual
-         found%force_scale = near%force_scale
-         found%history = near%history
+         call move_alloc(found%force, near%force)
+         call move_alloc(found%status, near%status)
+         near%displacement = 0.0_dp*near%force
+         found = near
       end associate
 
    contains

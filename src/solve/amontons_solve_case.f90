@@ -88,7 +88,6 @@ contains
       ! A history may have left motions locked.
       if (has_body .and. cache%is_condensed) has_body = .not. any(cache%body%condensation%is_locked)
       if (has_body) then
-         if (cache%body%slides_far) cache%body%zone = cache%body%zone_at_rest
          call check_names(config, cache%body%mesh, error)
       else
          call make_body(cache, config, error)
@@ -319,8 +318,8 @@ contains
       real(dp), parameter :: explaining = 1.0e8_dp
       real(dp) :: condition, forces
 
-      call recover_with_travel(result%displacement, body, result%load_case, result%solution%of_body(1), &
-         result%solution%of_body(2))
+      call recover_with_travel(result%displacement, body, result%load_case, result%solution%body_displacement(), &
+         result%solution%body_force())
       call evaluate(result, body)
       if (.not. (all(ieee_is_finite(result%displacement)) .and. result%certificate%is_finite())) then
          call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &

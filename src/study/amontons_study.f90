@@ -330,16 +330,22 @@ contains
       has_grids = .not. (self%config%reduced%is_given .or. self%config%sweep%is_given())
    end function study_has_grids
 
-   !> Refuses options that exist for single cases only, for a deck with many cases or steps.
+   !> Refuses options that exist for single cases at the places of rest only.
    pure subroutine refuse_options(config, options, error)
       type(config_t), intent(in) :: config !! the deck
       type(study_options_t), intent(in) :: options !! what is asked for
       type(error_t), allocatable, intent(out) :: error !! an option does not go with the deck
 
-      if (.not. (config%sweep%is_given() .or. config%history%is_given)) return
-      if (options%writes_reduced .or. options%wants_all_solutions) call new_error(error, input_refused, &
-         '--write-reduced and --all-solutions take single cases, found a deck with '// &
-         trim(merge('&history', '&sweep  ', config%history%is_given)))
+      character(*), parameter :: names = '--write-reduced and --all-solutions '
+
+      if (.not. (options%writes_reduced .or. options%wants_all_solutions)) return
+      if (config%sweep%is_given() .or. config%history%is_given) then
+         call new_error(error, input_refused, names//'take single cases, found a deck with '// &
+            trim(merge('&history', '&sweep  ', config%history%is_given)))
+      else if (allocated(config%contacts)) then
+         if (any(config%contacts%slides_far())) call new_error(error, input_refused, names//"do not go with "// &
+            "sliding = 'finite': there is no reduced problem without the places")
+      end if
    end subroutine refuse_options
 
 end module amontons_study

@@ -126,6 +126,25 @@ class Sliding(HistoryTest):
             # not unique, and found to a few digits.
             self.assertAlmostEqual(small[key], finite[key], delta=1e-4 * abs(small[key]), msg=key)
 
+    def test_force_beyond_friction_has_no_equilibrium(self):
+        text = "".join(line for line in BLOCKS.splitlines(keepends=True) if "foot.top" not in line)
+        for load, motion in (("pressure = 4.0", ""), ("pressure = 4.0  traction = 1.0, 0.0", ""),
+                             ("pressure = 4.0  traction = 2.0, 0.0", "translate along (1.0, 0.3"),
+                             ("pressure = -4.0", "translate along (0.0, 1.0)")):
+            self.write("blocks.nml", text + f"&load set = 'foot.top'  {load} /\n")
+            run = self.run_program("blocks.nml", status=2 if motion else 0)
+            self.assertIn(motion, run.stderr)
+            self.assertEqual("no equilibrium: contact and friction cannot balance the loads; the piece around 0.7, 1.2 is"
+                             " free to " in run.stderr, motion != "")
+
+    def test_there_is_no_reduced_problem(self):
+        self.write("blocks.nml", BLOCKS)
+        for options in (["--write-reduced"], ["--all-solutions"]):
+            run = self.run_program(*options, "blocks.nml", status=1)
+            self.assertEqual(run.stderr, "blocks.nml: --write-reduced and --all-solutions do not go with sliding = "
+                                         "'finite': there is no reduced problem without the places\n")
+        self.assertEqual(self.files(), ["blocks.nml"])
+
     def test_bodies_that_turn_are_warned_of(self):
         text = BLOCKS.replace("&support name = 'down'  set = 'foot.top'  uy = -0.004 /\n&support name = 'along'"
                               "  set = 'foot.top'  ux = 1.0 /",

@@ -357,13 +357,25 @@ contains
       hat_area = 0.0_dp
       shear_area = 0.0_dp
       filled = 0
-      ! A point without pieces has the displacement of its node alone.
-      do p = 1, merge(size(n_pieces), 0, allocated(pair%carrier))
-         if (n_pieces(p) > 0) cycle
-         points%rows%node(points%rows%start(p)) = pair%node(p)
-         do axis = 1, size(pair%frame, 1)
-            points%rows%block(axis, axis, points%rows%start(p)) = 1.0_dp
-         end do
+      ! A point that carries no hat has area 0, the displacement of its node alone, and the largest gap.
+      do k = 1, merge(2*pair%slave%n_sides, 0, allocated(pair%carrier))
+         associate (side => (k + 1)/2, end => 2 - modulo(k, 2), quadrature => points%quadrature)
+            p = pair%point_of(end, side)
+            if (n_pieces(p) > 0) cycle
+            points%rows%node(points%rows%start(p)) = pair%node(p)
+            do axis = 1, size(pair%frame, 1)
+               points%rows%block(axis, axis, points%rows%start(p)) = 1.0_dp
+            end do
+            points%center(:, p) = pair%slave%corner(:, end, side)
+            points%foot(:, p) = points%center(:, p)
+            q = quadrature%start(p)
+            quadrature%position(:, q) = points%center(:, p)
+            quadrature%normal(:, q) = pair%frame(:2, 1, p)
+            quadrature%outward(q) = 1.0_dp
+            quadrature%arc_length(q) = begin(pair%node(p))
+            quadrature%gap(q) = pair%search
+            quadrature%share(q) = 1.0_dp
+         end associate
       end do
       do i = 1, size(pieces)
          associate (segment => pieces(i)%segment, node => points%rows%node, quadrature => points%quadrature, &

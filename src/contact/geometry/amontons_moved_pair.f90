@@ -13,12 +13,12 @@ module amontons_moved_pair
    use amontons_frame, only: new_frames
    use amontons_kinds, only: dp
    use amontons_mesh, only: side_element, side_place
-   use amontons_mortar_pair, only: find_facing_parts, integrate_pair, mortar_pair_t, mortar_points_t, new_pair_surfaces
-   use amontons_surface, only: find_segments_again, meshed_body_t, mortar_segment_t, sharp, surface_t
+   use amontons_mortar_pair, only: find_facing_parts, mortar_pair_t, new_pair_surfaces
+   use amontons_surface, only: meshed_body_t, sharp, surface_t
    implicit none (type, external)
    private
 
-   public :: integrate_moved_pair, move_pair, new_moved_pair
+   public :: move_pair, new_moved_pair
 
    !> A hat that is covered by a smaller share than this one of that of its neighbor is carried by it [-].
    real(dp), parameter :: sliver = 0.1_dp
@@ -170,38 +170,5 @@ contains
          pair%carrier = pair%carrier(pair%carrier)
       end do
    end subroutine choose_carriers
-
-   !> Integrates rows, areas and gaps of a pair at the present places of its surfaces. A point that carries no hat has
-   !> area 0, the displacement of its node alone, and the largest gap.
-   pure subroutine integrate_moved_pair(points, pair, is_again)
-      type(mortar_points_t), intent(out) :: points !! the points, the first part of each its own node
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      logical, intent(in) :: is_again
-         !! whether it is the second integration, of the certificate, with another cut and other quadrature points
-      type(mortar_segment_t), allocatable :: segments(:)
-      real(dp) :: arc_length(maxval(pair%patch%node))
-      integer :: i, k, p
-
-      segments = pair%segments
-      if (is_again) call find_segments_again(segments, pair%slave, pair%master, pair%search, pair%segments%slave)
-      call integrate_pair(points, pair, segments, is_again)
-      arc_length(pair%patch%node) = pair%patch%line%arc_length
-      do i = 1, pair%slave%n_sides
-         do k = 1, 2
-            p = pair%point_of(k, i)
-            if (points%area(p) > 0.0_dp) cycle
-            points%center(:, p) = pair%slave%corner(:, k, i)
-            points%foot(:, p) = points%center(:, p)
-            associate (quadrature => points%quadrature, q => points%quadrature%start(p))
-               quadrature%position(:, q) = points%center(:, p)
-               quadrature%normal(:, q) = pair%frame(:2, 1, p)
-               quadrature%outward(q) = 1.0_dp
-               quadrature%arc_length(q) = arc_length(pair%node(p))
-               quadrature%gap(q) = pair%search
-               quadrature%share(q) = 1.0_dp
-            end associate
-         end do
-      end do
-   end subroutine integrate_moved_pair
 
 end module amontons_moved_pair

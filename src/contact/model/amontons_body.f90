@@ -190,7 +190,7 @@ contains
       body%slides_far = any(contacts%slides_far())
       call new_free_boundary(body%free_boundary, body%meshed_body_t, pack(contacts, .not. body%slides_far), body%zone, &
          body%ties)
-      call recompute_pairs(body%checked_rows, body%gap_change, body%zone, body%slides_far)
+      call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
       where (abs(body%gap_change) <= rounding*maxval(abs(mesh%coordinates))) body%gap_change = 0.0_dp
       call body%tie_rows%begin(nothing, 1 + body%zone%n_tangents)
       call body%checked_tie_rows%begin(nothing, 1 + body%zone%n_tangents)
@@ -608,8 +608,7 @@ contains
       call check_held(body, error)
       if (allocated(error)) return
       is_held = all(body%motions%n_free == 0)
-      suited = options
-      if (body%slides_far) suited%form = 'dense'
+      suited = suited_options(body, options)
       if (is_distributed(body, suited)) then
          call timings%begin(phase_factorize)
          call new_distributed_condenser(condenser, is_held, body%mesh, body%materials, body%springs, &
@@ -654,7 +653,8 @@ contains
          if (any(abs(motion) > 0.0_dp)) problem%rounding = max(problem%rounding, maxval(abs(force)) &
             /maxval(abs(motion)))
       end do
-      if (body%slides_far) call new_flexibility(body%flexibility, problem%matrix%stiffness%values, body%travel, error)
+      if (body%slides_far) call new_flexibility(body%flexibility, problem%matrix, body%retained%n_points, body%travel, &
+         error)
    end subroutine pose_body
 
    !> The displacements of the contact unknowns under the free motions that leave all contact points at rest (n_schur,
@@ -697,6 +697,15 @@ contains
          end do
       end do
    end function contact_motions
+
+   !> The options of the condensation as a body needs them: where contact slides far S is inverted, as a dense matrix.
+   pure type(condensation_options_t) function suited_options(body, options) result(suited)
+      type(body_t), intent(in) :: body !! the body
+      type(condensation_options_t), intent(in) :: options !! the deck's
+
+      suited = options
+      if (body%slides_far) suited%form = 'dense'
+   end function suited_options
 
    !> Whether a body is spread over the ranks of the run. Small bodies are faster on one rank; band matrices stay on
    !> rank 0; and a body without unknowns other than those of the contact points has nothing to spread.
@@ -796,6 +805,7 @@ contains
       type(sparse_matrix_t) :: stiffness
       class(cholesky_t), allocatable :: cholesky
       class(condenser_t), allocatable :: condenser
+      type(condensation_options_t) :: suited
       integer, allocatable :: order(:)
       ! Measured on 20 000 points: a row of the table, of the listing and of the grid, as numbers and as text [MB].
       real(dp), parameter :: of_point = 1.1e-3_dp
@@ -805,7 +815,8 @@ contains
       if (allocated(error)) return
       call timings%begin(phase_assemble)
       estimate%n_rows = body%retained%n_rows
-      if (is_distributed(body, options)) then
+      suited = suited_options(body, options)
+      if (is_distributed(body, suited)) then
          estimate%n_ranks = n_ranks
          call timings%begin(phase_factorize)
          call new_distributed_condenser(condenser, all(body%motions%n_free == 0), body%mesh, body%materials, &
@@ -816,12 +827,12 @@ contains
             body%constraints, body%dof_map, error)
          if (allocated(error)) return
          call timings%begin(phase_factorize)
-         if (.not. body%slides_far) call find_band_order(stiffness, options%form, body%retained, order)
+         call find_band_order(stiffness, suited%form, body%retained, order)
          if (allocated(order)) then
             estimate%half_width = half_bandwidth(stiffness, order)
             estimate%n_rows = stiffness%n
          end if
-         call new_cholesky(cholesky, trim(options%factorization), stiffness, &
+         call new_cholesky(cholesky, trim(suited%factorization), stiffness, &
             merge(0, body%dof_map%n_schur, allocated(order)), error)
          if (allocated(error)) return
          call move_alloc(cholesky, condenser)
@@ -830,9 +841,11 @@ contains
       call return_memory()
       estimate%factorization = condenser%name
       estimate%n_entries = condenser%n_factor_entries
-      ! The contact problem: dense matrices, of contact points, of a step for Newton's method, of nodes behind cells;
-      ! of a band the matrix and its factor, both twice, and the factors of a step; and the rows of its points in files.
+      ! The contact problem: dense matrices, of contact points, of a step for Newton's method, of nodes behind cells,
+      ! the flexibility and that of a body; of a band the matrix and its factor, both twice, and the factors of a step;
+      ! and the rows of its points in files.
       n_entries = real(max(n_dense, merge(0, 2, estimate%half_width > 0)), dp)*real(body%retained%n_rows, dp)**2
+      if (body%slides_far) n_entries = n_entries + 2.0_dp*real(body%retained%n_rows, dp)**2
       if (.not. all(body%retained%is_own)) n_entries = n_entries &
          + real(body%dof_map%n_schur + body%retained%n_rows, dp)**2
       if (estimate%half_width > 0) n_entries = n_entries + 7.0_dp*(estimate%half_width + 1)*estimate%n_rows

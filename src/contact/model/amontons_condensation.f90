@@ -487,25 +487,40 @@ contains
       end associate
    end function may_suit_band
 
-   !> Inverts S, of a body with free motions S and a multiple of their squares.
-   pure subroutine new_flexibility(flexibility, stiffness, motions, error)
+   !> Inverts S, of a body with free motions S and a multiple of their squares, part by part: bodies have no entries in
+   !> common.
+   pure subroutine new_flexibility(flexibility, matrix, n_points, motions, error)
       real(dp), allocatable, intent(out) :: flexibility(:, :) !! the inverse (n, n) [L/F]
-      real(dp), intent(in) :: stiffness(:, :) !! S (n, n) [F/L]
+      type(contact_operator_t), intent(in) :: matrix !! S (n, n), dense [F/L]
+      integer, intent(in) :: n_points !! number of points that it is of
       real(dp), intent(in) :: motions(:, :) !! the free motions, orthonormal (n, any) [-]
-      type(error_t), allocatable, intent(out) :: error !! S is not positive definite beside them
+      type(error_t), allocatable, intent(out) :: error !! S is not positive definite beside them, or memory ran out
+      real(dp), allocatable :: own(:, :)
+      integer, allocatable :: part(:), rows(:)
       real(dp) :: mean
-      integer :: i, info
+      integer :: i, info, k, n_parts
 
-      flexibility = stiffness
-      mean = sum([(stiffness(i, i), i=1, size(stiffness, 1))])/max(1, size(stiffness, 1))
-      do i = 1, size(stiffness, 1)
-         flexibility(:, i) = flexibility(:, i) + mean*matmul(motions, motions(i, :))
-      end do
-      call cholesky_factor(flexibility, info)
-      if (info == 0) call cholesky_inverse(flexibility)
-      ! not raised: what neither supports nor contact hold was refused before
-      if (info /= 0) call new_error(error, numerical_failure, 'the condensed stiffness of the contact nodes is not '// &
-         'positive definite')
+      call allocate_matrix(flexibility, matrix%n, matrix%n, 'the nodes of the contact sets', error)
+      if (allocated(error)) return
+      flexibility(:, :) = 0.0_dp
+      call matrix%find_parts(n_points, part, n_parts)
+      associate (stiffness => matrix%stiffness%values)
+         mean = sum([(stiffness(i, i), i=1, matrix%n)])/max(1, matrix%n)
+         do k = 1, n_parts
+            rows = pack([(i, i=1, matrix%n)], part([(1 + modulo(i - 1, n_points), i=1, matrix%n)]) == k)
+            own = stiffness(rows, rows)
+            do i = 1, size(rows)
+               own(:, i) = own(:, i) + mean*matmul(motions(rows, :), motions(rows(i), :))
+            end do
+            call cholesky_factor(own, info)
+            if (info == 0) call cholesky_inverse(own)
+            ! not raised: what neither supports nor contact hold was refused before
+            if (info /= 0) call new_error(error, numerical_failure, 'the condensed stiffness of the contact nodes '// &
+               'is not positive definite')
+            if (allocated(error)) return
+            flexibility(rows, rows) = own
+         end do
+      end associate
    end subroutine new_flexibility
 
    !> Condenses the stiffness S to rows w = C v: G = C M^-1 C^T with M = S + C^T R C.

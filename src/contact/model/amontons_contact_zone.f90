@@ -21,7 +21,7 @@ module amontons_contact_zone
    use amontons_line, only: line_t
    use amontons_mortar_pair, only: check_ends, guided_alone, integrate_pair, mortar_pair_t, mortar_points_t, &
       new_mortar_pair, take_facing_sides
-   use amontons_moved_pair, only: integrate_moved_pair, new_moved_pair
+   use amontons_moved_pair, only: new_moved_pair
    use amontons_obstacle, only: unit_vector
    use amontons_pair_overlap, only: check_overlap
    use amontons_sparse_lu, only: sparse_lu_t
@@ -655,7 +655,7 @@ contains
       associate (pair => zone%pairs(set))
          call new_moved_pair(pair, contact%set, contact%pairing, body, error)
          if (allocated(error)) return
-         call integrate_moved_pair(integrals, pair, is_again=.false.)
+         call integrate_pair(integrals, pair, pair%segments, is_again=.false.)
          points%line = pair%line
          points%is_fixed = pair%is_fixed
          points%is_own = spread(.false., 1, size(pair%node))
@@ -687,12 +687,11 @@ contains
    end subroutine set_moved
 
    !> Recomputes rows and gaps of the points of pairs in contact; all other rows are copied.
-   subroutine recompute_pairs(rows, gap_change, zone, slides_far)
+   pure subroutine recompute_pairs(rows, gap_change, zone)
       type(contact_rows_t), intent(out) :: rows !! the rows
       real(dp), allocatable, intent(out) :: gap_change(:)
          !! by how much the gap that the meshes have is larger than in the zone (m) [L]
       type(contact_zone_t), intent(in) :: zone !! the contact points
-      logical, intent(in) :: slides_far !! whether the pairs are those that slide far, at their present places
       integer :: nothing(0)
       type(mortar_points_t) :: points
       integer :: set, p, i
@@ -706,11 +705,7 @@ contains
             call rows%add(zone%rows%picked(of_set))
             cycle
          end if
-         if (slides_far) then
-            call integrate_moved_pair(points, zone%pairs(set), is_again=.true.)
-         else
-            call integrate_pair(points, zone%pairs(set), segments_again(zone%pairs(set)), is_again=.true.)
-         end if
+         call integrate_pair(points, zone%pairs(set), segments_again(zone%pairs(set)), is_again=.true.)
          call rows%add(points%rows)
          do i = 1, size(of_set)
             gap_change(of_set(i)) = mean_gap(points%quadrature, i) - mean_gap(zone%quadrature, of_set(i))

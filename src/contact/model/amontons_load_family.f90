@@ -1,6 +1,6 @@
 !> What acts on a body: a load case, which is one case, one step or one row of a sweep, and a family of load cases:
 !> loads, prescribed displacements and friction in parts, each times a factor, obstacles that may move, and anchors of
-!> the slips. The body itself never changes.
+!> the slips. The body itself never changes, but for the places of contact points that slide far.
 !>
 !> A single case is the only member of a family of one part; a row of a sweep has one set of factors, a step of a
 !> history those of its time. Condensed loads are linear in the factors, so that one substitution for each part serves
@@ -28,8 +28,11 @@ module amontons_load_family
    private
 
    public :: acting_t, add_part, check_shear, condensed_force, load_case_t, load_family_t, new_load_case, &
-      new_load_family, obstacle_motion_t, one_part, parting_t, recover_displacement, recover_displacements, &
-      set_obstacles
+      new_load_family, obstacle_motion_t, one_part, out_of_reach, parting_t, recover_displacement, &
+      recover_displacements, set_obstacles
+
+   !> Gap of a point that faces nothing, over the body's size [-].
+   real(dp), parameter :: out_of_reach = 1.0e3_dp
 
    !> Loads, prescribed displacements, obstacles and friction of one case.
    type :: load_case_t
@@ -106,7 +109,8 @@ module amontons_load_family
       logical, allocatable, private :: has_force(:) !! whether it has nodal forces (parts)
       logical, allocatable, private :: has_displacement(:) !! whether it prescribes displacements (parts)
       real(dp), allocatable, private :: friction(:, :) !! friction of each part at the factor 1 (m, parts) [-]
-      real(dp), allocatable, private :: prescribed(:, :) !! normal displacements that it prescribes (m, parts) [L]
+      real(dp), allocatable, private :: prescribed(:, :)
+         !! normal displacements that it prescribes; 0 where points slide far, as theirs include them (m, parts) [L]
       real(dp), allocatable, private :: load(:, :) !! its condensed load (n_rows, parts) [F]
       real(dp), allocatable, private :: largest(:) !! its largest prescribed displacement or expansion (parts) [L]
    contains
@@ -143,7 +147,7 @@ contains
    !> Makes a load case and checks its input; whether it has an equilibrium is checked by `check_balance`.
    subroutine new_load_case(load_case, body, supports, contacts, loads, error)
       type(load_case_t), intent(out) :: load_case !! the load case, not condensed yet
-      type(body_t), intent(in) :: body !! the body
+      type(body_t), intent(inout) :: body !! the body; contact points that slide far are put where they are at rest
       type(support_t), intent(in) :: supports(:)
          !! the supports that the body was made with; their prescribed displacements may be others
       type(contact_t), intent(in) :: contacts(:)
@@ -154,6 +158,7 @@ contains
       real(dp) :: prescribed(body%zone%n_rows)
       integer :: i
 
+      if (body%slides_far) body%zone = body%zone_at_rest
       call check_shear(body%zone, contacts, error)
       if (allocated(error)) return
       load_case%supports = supports
@@ -258,7 +263,6 @@ contains
       type(contact_t), intent(in) :: contacts(:) !! the contact sets, in the order of `new_contact_zone`
       type(error_t), allocatable, intent(out) :: error
          !! a boundary that faces away, an overlap larger than the body, or a negative friction
-      real(dp), parameter :: out_of_reach = 1.0e3_dp
       real(dp) :: corners(size(mesh%coordinates, 1), 2), size_of_body, extent, gap, cosine, weight, &
          share_of_gap
       integer :: p, i, q
@@ -458,7 +462,7 @@ contains
          family%has_force(k) = any(abs(family%parts(k)%force) > 0.0_dp)
          family%has_displacement(k) = any(abs(family%parts(k)%prescribed) > 0.0_dp)
          prescribed = body%zone%rows%displacement(family%parts(k)%prescribed)
-         family%prescribed(:, k) = prescribed(:body%zone%n_points)
+         family%prescribed(:, k) = merge(0.0_dp, prescribed(:body%zone%n_points), body%slides_far)
       end do
       allocate (family%nodal_force(count(is_loaded), parting%n_parts))
       do k = 1, parting%n_parts
@@ -703,15 +707,15 @@ contains
       integer :: k
 
       load_case = self%base
-      ! No error: the member was made with the same obstacles.
-      if (allocated(acting%motions) .and. .not. body%slides_far) call set_obstacles(load_case, body%zone, body%mesh, &
-         self%contacts_of(acting), error)
       if (body%slides_far) then
          load_case%contacts = self%contacts_of(acting)
          load_case%is_in_reach = acting%is_in_reach
          load_case%cosine = 1.0_dp
          if (allocated(acting%added_gap)) load_case%extra_gap = load_case%extra_gap + acting%added_gap
       else
+         ! No error: the member was made with the same obstacles.
+         if (allocated(acting%motions)) call set_obstacles(load_case, body%zone, body%mesh, self%contacts_of(acting), &
+            error)
          load_case%extra_gap = load_case%extra_gap + (acting%gap - load_case%gap)
       end if
       load_case%gap = acting%gap
@@ -734,7 +738,6 @@ contains
             + acting%factor(k)*self%parts(k)%element_load
       end do
       load_case%free_gap = self%gap_of(acting)
-      if (body%slides_far) load_case%free_gap = acting%gap
       load_case%friction = self%friction_of(acting)
       load_case%anchor = acting%anchor
       load_case%obstacle_motion = acting%motion

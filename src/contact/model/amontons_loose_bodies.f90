@@ -35,7 +35,7 @@ module amontons_loose_bodies
 contains
 
    !> Refuses loads that no contact forces can balance, with friction in proportion to normal forces of any size, or as
-   !> large as it is at known ones.
+   !> large as it is at known ones. Points that slide far are where they have been found, on a line that is not round.
    pure subroutine check_balance(body, load_case, error, bound)
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
@@ -43,7 +43,7 @@ contains
       real(dp), intent(in), optional :: bound(:) !! what friction bears at the normal forces that were found (m) [F]
       ! For the center of gravity of a round body, whose position depends on the mesh.
       real(dp), parameter :: unbalanced_when_round = 1.0e-2_dp
-      real(dp), allocatable :: amounts(:, :), moved(:, :), remainder(:), work(:)
+      real(dp), allocatable :: amounts(:, :), modes(:, :), moved(:, :), remainder(:), work(:)
       character(:), allocatable :: bearing, advice
       real(dp) :: scale, share, least
 
@@ -63,7 +63,8 @@ contains
          bearing = 'all contact points slip or open, and friction'
          advice = '; add a support or friction'
       end if
-      remainder = unbalanced_work(body, load_case, body%rigid_modes, work, bound)
+      call find_rigid_modes(modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.false.)
+      remainder = unbalanced_work(body, load_case, modes, work, bound)
       if (norm2(remainder) > max(share*scale, least)) then
          if (body%zone%n_points == 0) then
             call new_error(error, no_equilibrium, 'no equilibrium: nothing balances the loads; '// &
@@ -73,7 +74,7 @@ contains
                largest_motion(body%motions, remainder)// &
                advice)
          end if
-      else
+      else if (.not. body%slides_far) then
          call find_round_motions(amounts, moved, body, load_case%is_in_reach)
          remainder = matmul(amounts, unbalanced_work(body, load_case, moved, matmul(work, amounts), bound))
          if (norm2(remainder) > max(unbalanced_when_round*scale, least)) call new_error(error, no_equilibrium, &

@@ -7,8 +7,8 @@ module amontons_moved_zone
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_frame, only: new_frame
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: mortar_pair_t, mortar_points_t
-   use amontons_moved_pair, only: integrate_moved_pair, move_pair
+   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t
+   use amontons_moved_pair, only: move_pair
    use amontons_surface, only: meshed_body_t
    use amontons_text, only: place_text
    implicit none (type, external)
@@ -40,7 +40,7 @@ contains
          of_set = pack([(p, p=1, zone%n_points)], zone%set == set)
          if (zone%pairs(set)%is_set()) then
             call move_pair(zone%pairs(set), place, keeps_carriers)
-            call integrate_moved_pair(integrals, zone%pairs(set), is_again=.false.)
+            call integrate_pair(integrals, zone%pairs(set), zone%pairs(set)%segments, is_again=.false.)
             call set_moved(points, integrals, zone%pairs(set))
             zone%frame(:, :, of_set) = points%frame
             zone%acting(:, of_set) = points%acting

@@ -280,17 +280,16 @@ contains
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp), allocatable :: values(:)
+      type(force_test_t) :: test
       integer, allocatable :: components(:, :)
       integer :: k
 
       components = components_of(body)
       allocate (values(size(components, 2) + 2*size(body%driven)), source=0.0_dp)
       do k = 1, size(components, 2)
-         associate (named => body%named(components(1, k)))
-            if (named%kind == of_contact) values(k) = dot_product(force, contact_factors(body, named%member, &
-               components(2, k), rigid_motion(components(2, k), body%mesh%coordinates, &
-               size(body%constraints%is_free, 1))))
-         end associate
+         if (body%named(components(1, k))%kind /= of_contact) cycle
+         call new_test(test, body, components, k)
+         values(k) = dot_product(test%contact, force)
       end do
    end function contact_values
 

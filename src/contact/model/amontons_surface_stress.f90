@@ -10,7 +10,7 @@ module amontons_surface_stress
    use amontons_contact_zone, only: contact_zone_t
    use amontons_dense, only: cholesky_factor, cholesky_inverse, vector_product
    use amontons_element, only: max_nodes, quadrature_point, shape_functions, side_abscissa, side_shapes
-   use amontons_error, only: error_t, input_refused, new_error
+   use amontons_error, only: error_t
    use amontons_face, only: face_kind, face_t, set_faces
    use amontons_frame, only: turned
    use amontons_kinds, only: dp
@@ -58,16 +58,12 @@ contains
       type(contact_t), intent(in) :: contacts(:) !! its contact sets
       type(load_case_t), intent(in) :: parts(:) !! the parts, for their thermal strain
       real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (n_dim, n_nodes, parts) [L]
-      type(error_t), allocatable, intent(out) :: error !! a set is missing, or the body is twisted
+      type(error_t), allocatable, intent(out) :: error !! a set is missing
       type(place_t), allocatable :: places(:)
       type(face_t), allocatable :: faces(:)
       integer :: n, p, set
 
       n = size(body%zone%position, 1)
-      if (body%materials%is_twisted()) then
-         call new_error(error, input_refused, "fretting = 'parameters' does not go with twist = .true.")
-         return
-      end if
       associate (zone => body%zone, m => body%zone%n_points)
          allocate (surface%part(n*m, size(parts)), surface%share(n, n*m), surface%axes(n, n, m), &
             surface%compliance(2*n, 2*n, m), surface%column(1), surface%row(1))

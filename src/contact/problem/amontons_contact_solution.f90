@@ -38,7 +38,8 @@ module amontons_contact_solution
       real(dp) :: force_scale = 0.0_dp !! the force that it is a share of, where it was measured [F]
       real(dp), allocatable :: history(:) !! residual after each iteration (at least n_iterations) [-]
    contains
-      procedure :: of_body => contact_solution_of_body
+      procedure :: body_displacement => contact_solution_body_displacement
+      procedure :: body_force => contact_solution_body_force
       procedure :: prepend => contact_solution_prepend
       procedure :: is_stagnant => contact_solution_is_stagnant
       procedure :: measure => contact_solution_measure
@@ -102,21 +103,24 @@ contains
       allocate (solution%history(0))
    end subroutine new_contact_solution
 
-   !> Displacements or contact forces that the body is condensed to: those of the points, or of the nodes of sets that
-   !> slide far (retained rows) [L], [F].
-   pure function contact_solution_of_body(self, kind) result(values)
+   !> Displacements that the body is condensed to: those of the points, or of the nodes of sets that slide far (retained
+   !> rows) [L].
+   pure function contact_solution_body_displacement(self) result(displacement)
       class(contact_solution_t), intent(in) :: self !! the solution
-      integer, intent(in) :: kind !! 1 for displacements, 2 for forces
-      real(dp), allocatable :: values(:)
+      real(dp), allocatable :: displacement(:)
 
-      if (allocated(self%retained)) then
-         values = self%retained(:, kind)
-      else if (kind == 1) then
-         values = self%displacement
-      else
-         values = self%force
-      end if
-   end function contact_solution_of_body
+      displacement = self%displacement
+      if (allocated(self%retained)) displacement = self%retained(:, 1)
+   end function contact_solution_body_displacement
+
+   !> Contact forces along these displacements (retained rows) [F].
+   pure function contact_solution_body_force(self) result(force)
+      class(contact_solution_t), intent(in) :: self !! the solution
+      real(dp), allocatable :: force(:)
+
+      force = self%force
+      if (allocated(self%retained)) force = self%retained(:, 2)
+   end function contact_solution_body_force
 
    !> Begins a new record; forces and displacements remain as the starting point.
    pure subroutine contact_solution_reset(self)

@@ -307,7 +307,7 @@ contains
       do i = 1, merge(size(body%zone%pairs), 0, size(body%zone%pairs) > 1)
          call add_contact_set(table, body, state, i)
       end do
-      call table%add_quantities(model%probe_names, model%probed(state%instant%factor, state%solution%of_body(1)))
+      call table%add_quantities(model%probe_names, model%probed(state%instant%factor, state%solution%body_displacement()))
       call table%add_quantities(model%named, state%named)
       worn = wear_results(body, model%solver%loads%base%contacts, state%wear_depth)
       call table%add_quantities(worn, worn%value)
@@ -416,8 +416,7 @@ contains
       start = to_text(stepping%n_steps)//','//to_text(stepping%state%instant%time)//','
       allocate (character(len(start) + (18 + size(record, 2))*(longest_decimal + 1)) :: lines(m))
       associate (state => stepping%state, zone => body%zone)
-         gap = state%instant%gap - state%solution%displacement(:m)
-         if (.not. body%slides_far) gap = gap - matmul(model%energies%prescribed(:m, :), state%instant%factor)
+         gap = model%solver%loads%gap_of(state%instant) - state%solution%displacement(:m)
          ! Along each tangent; in space magnitudes, and the vectors behind them.
          n = merge(1, zone%n_tangents, size(zone%position, 1) == 3)
          slips = reshape(state%solution%displacement(m + 1:) - state%instant%motion, [m, zone%n_tangents])

@@ -492,7 +492,7 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the contact problem of its step
       real(dp), allocatable :: forces(:)
 
-      associate (factor => state%instant%factor, v => state%solution%of_body(1), force => state%solution%of_body(2), &
+      associate (factor => state%instant%factor, v => state%solution%body_displacement(), force => state%solution%body_force(), &
          normal => state%solution%force(:size(state%solution%status)), loads => model%solver%loads)
          state%bound = loads%base%slip_bound + loads%friction_of(state%instant)*max(0.0_dp, normal)
          where (all(body%zone%is_fixed, dim=1)) state%bound = 0.0_dp
@@ -640,14 +640,14 @@ contains
 
       m = size(after%bound)
       n = problem%n_points
-      force = after%solution%of_body(2)
-      v = after%solution%of_body(1)
+      force = after%solution%body_force()
+      v = after%solution%body_displacement()
       change = after%instant%factor - before%instant%factor
       mean_force = 0.0_dp*force
       v_change = v
       if (allocated(after%solution%retained) .eqv. allocated(before%solution%retained)) then
-         mean_force = before%solution%of_body(2)
-         v_change = v - before%solution%of_body(1)
+         mean_force = before%solution%body_force()
+         v_change = v - before%solution%body_displacement()
       end if
       strained = problem%strained(v_change, force - mean_force)
       mean_force = 0.5_dp*(force + mean_force)
@@ -664,8 +664,6 @@ contains
          obstacle_work = -0.5_dp*dot_product(after%solution%force + before%solution%force, after%instant%way)
          missing = 0.0_dp
          missing(:min(1, m)) = dot_product(mean_force, whole_change) + obstacle_work - sum(taken)
-         after%closing_loss = dot_product(after%solution%force(:m), merge(before%instant%gap &
-            - before%solution%displacement(:m), 0.0_dp, before%instant%is_in_reach))
       else
          ! An obstacle that loses or meets a point does no work on the jump of the gap.
          approach = merge(after%instant%gap - before%instant%gap, 0.0_dp, &
@@ -677,10 +675,9 @@ contains
          if (problem%matrix%n_tangents == 2) missing = missing + mean_force(2*m + 1:)*after%slip(m + 1:)
          ! A point that a support holds along its tangent wears as well where the obstacle slides along it.
          where (model%is_slip_fixed) slip = moved(m + 1:) - (after%instant%motion - before%instant%motion)
-         after%closing_loss = dot_product(after%solution%force(:m), merge(before%instant%gap, 0.0_dp, &
-            before%instant%is_in_reach) - matmul(model%energies%prescribed(:m, :), before%instant%factor) &
-            - before%solution%displacement(:m))
       end if
+      after%closing_loss = dot_product(after%solution%force(:m), merge(model%solver%loads%gap_of(before%instant) &
+         - before%solution%displacement(:m), 0.0_dp, before%instant%is_in_reach))
       after%step_dissipation = sum(taken)
       after%dissipation = before%dissipation + taken
       way = tangential_norm(slip, m)
