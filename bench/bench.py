@@ -10,6 +10,7 @@ import os
 import pathlib
 import re
 import resource
+import shutil
 import subprocess
 import sys
 import time
@@ -369,6 +370,41 @@ def print_solids(program, work, sizes, n_cases):
            "of what was said", "a further case s"], rows)
 
 
+def part_deck(folder, name, scale):
+    """A part of input/ on a finer mesh, by Gmsh."""
+    folder.mkdir(parents=True, exist_ok=True)
+    geometry = (ROOT / "input" / f"{name}.geo").read_text()
+    geometry = re.sub(r"((?m:^h|MeshSizeM\w\w|MeshSize \{.*\}) = )(?=\d)", rf"\g<1>{scale}*", geometry)
+    geometry = re.sub(r'(Field\[1\]\.F = ")(.*)"', rf'\g<1>{scale}*(\g<2>)"', geometry)
+    (folder / f"{name}.geo").write_text(geometry)
+    run(["gmsh", "-3", "-format", "msh41", folder / f"{name}.geo", "-o", folder / f"{name}.msh"])
+    return (ROOT / "input" / f"{name}.nml").read_text()
+
+
+def print_parts(program, work, parts):
+    """Parts of unstructured tet10: the factorization beside CHOLMOD's, the whole command over it, and memory."""
+    rows, folder = [], work / "parts"
+    for name, scale in parts if shutil.which("gmsh") else ():
+        text = part_deck(folder, name, scale)
+        found = {}
+        for kind in ("multifrontal", "sparse"):
+            deck = folder / f"{name}_{kind}.nml"
+            deck.write_text(text + f"\n&solver factorization = '{kind}' /\n")
+            said = float(re.search(r"about (\S+) MB", run([program, "--check", "--threads", "1", deck])[0])[1])
+            used = run([program, "--quiet", "--threads", "1", "--output", folder, deck], threads=1)[1]
+            result = json.loads((folder / f"{name}_{kind}.summary.json").read_text())
+            found[kind] = (result, result["seconds"]["factorize"], used, said)
+        (result, spent, used, said), (other, theirs, *_) = found.values()
+        rows.append([name, str(result["counts"]["dofs"]), str(result["counts"]["contact_points"]),
+                     f"{1e-9 * result['factor']['flops']:.0f}", f"{1e-9 * other['factor']['flops']:.0f}", seconds(spent),
+                     seconds(theirs), f"{spent / theirs:.2f}", f"{used['cpu'] / spent:.1f}", f"{used['mb']:.0f}",
+                     f"{used['mb'] / said:.2f}"])
+    table("Parts of unstructured tet10 by Gmsh, one thread: the factorization beside CHOLMOD's, the whole command over it, "
+          "and its memory over what `--check` says",
+          ["part", "unknowns", "contact points", "Gflop", "CHOLMOD Gflop", "factorize s", "CHOLMOD s", "times",
+           "whole command, times", "memory MB", "of what was said"], rows)
+
+
 def print_reduced(program, work, sizes, rates):
     """Reduced problems of the bar: `auto`, one sweep of `psor`, and Siconos."""
     rows = []
@@ -471,6 +507,8 @@ def main(build, work, is_full):
         ("cubes on cubes", print_cubes, (8, 16, 25) if is_full else (8, 16), True),
         ("solids", print_solids, (("hex8", 16), ("hex8", 24), ("tet10", 8), ("hex20", 8)) + (("tet10", 16),) * is_full,
          51 if is_full else 11),
+        ("parts", print_parts, (("bracket_feet", 0.26), ("ball", 0.335), ("blade_root_solid", 0.23)) if is_full else
+         (("bracket_feet", 0.5),)),
         ("reduced problems", print_reduced, (128, 256, 512, 1024) if is_full else (128, 256), rates),
         ("histories", print_histories, (100, 1000, 10000)),
         ("steps beside cases", print_steps_beside_cases, 200 if is_full else 20),

@@ -1,10 +1,9 @@
 !> Nested dissection of a matrix, and the fronts that eliminate it in this order.
 !>
 !> Geometric dissection cuts through the places of unknowns, and the separators are eliminated last. A cut goes across
-!> the longer side of the box around the places of a domain, at their median; in space it is the best of several. What
-!> lies on one side couples with the
-!> other side only through the separator: the places beyond the cut that have neighbors before it. The two sides are
-!> domains that are cut again, down to small ones.
+!> the longer side of the box around the places of a domain, at their median; in space it is the best of several, and
+!> need not be flat. What lies on one side couples with the other side only through the separator: the places beyond a
+!> flat cut that have neighbors before it. The two sides are domains that are cut again, down to small ones.
 !>
 !> A front eliminates its pivot columns, the unknowns of its separator. Its row structure lists the unknowns, all of
 !> them eliminated later, that its pivots couple to, directly or through the domains on the two sides of the separator;
@@ -129,16 +128,14 @@ contains
       integer :: old(size(domain)), next(3), i, k
       logical, allocatable :: is_before(:)
 
-      n_before = 0
-      n_beyond = 0
       old = domain
       if (size(place, 1) == 2) then
          call cut_places(place(:, old), is_before)
+         side(old) = separator
+         if (any(is_before)) call mark_sides(graph, side, old, is_before)
       else
-         call find_best_cut(is_before, graph, place(:, old), side, old)
+         call find_best_cut(graph, place(:, old), side, old)
       end if
-      if (.not. any(is_before)) return
-      call mark_sides(graph, side, old, is_before)
       n_before = count(side(old) == before)
       n_beyond = count(side(old) == beyond)
       next = [1, n_before + 1, n_before + n_beyond + 1]
@@ -150,40 +147,188 @@ contains
       side(old) = 0
    end subroutine split
 
-   !> Finds the cut of a domain in space whose separator is the smallest, among those across the longer sides of the box
-   !> around its places, at several shares of the places. Parts of different size count as a larger separator.
-   subroutine find_best_cut(is_before, graph, place, side, domain)
-      logical, allocatable, intent(out) :: is_before(:) !! whether each lies before the cut; none at one place
+   !> Finds the best cut of a domain in space: the one whose separator has the fewest supervariables over the product of
+   !> their numbers on both sides. These are the cuts across the longer sides of the box around the places, at their
+   !> medians, and the smallest separator in the middle along the best of these sides.
+   subroutine find_best_cut(graph, place, side, domain)
       type(graph_t), intent(in) :: graph !! the graph
       real(dp), intent(in) :: place(:, :) !! positions of the supervariables of the domain (3, any) [L]
-      integer, intent(inout) :: side(:) !! 0 for the supervariables of the domain, before and after (n)
+      integer, intent(inout) :: side(:)
+         !! gains `before`, `beyond`, `separator` for those of the domain; all in the separator if at one place (n)
       integer, intent(in) :: domain(:) !! the supervariables of the domain
-      ! Small domains have one cut across each side: more cost time and save nothing; measured.
-      integer, parameter :: worth_choice = 200
-      real(dp), parameter :: shares(*) = [0.5_dp, 0.42_dp, 0.46_dp, 0.54_dp, 0.58_dp]
-      logical, allocatable :: other(:)
+      ! In small domains a search costs time and saves nothing; measured.
+      integer, parameter :: worth_search = 200
+      logical, allocatable :: is_before(:)
+      integer, allocatable :: best(:)
       real(dp) :: extent(size(place, 1)), least, cost
       integer :: across, i
 
-      allocate (is_before(size(domain)), source=.false.)
+      allocate (best(size(domain)), source=separator)
       extent = maxval(place, dim=2) - minval(place, dim=2)
       least = huge(least)
-      do across = 1, size(extent)
-         if (.not. extent(across) > 0.5_dp*maxval(extent)) cycle
-         do i = 1, merge(size(shares), 1, size(domain) >= worth_choice)
-            call cut_across(place(across, :), shares(i), extent(across), other)
-            if (.not. any(other) .or. all(other)) cycle
-            call mark_sides(graph, side, domain, other)
-            associate (difference => abs(count(side(domain) == before) - count(side(domain) == beyond)))
-               cost = count(side(domain) == separator)*(1.0_dp + 0.5_dp*difference/size(domain))
-            end associate
-            side(domain) = 0
-            if (.not. cost < least) cycle
-            least = cost
-            is_before = other
+      across = 0
+      do i = 1, size(extent) + 1
+         if (i <= size(extent)) then
+            if (.not. extent(i) > 0.5_dp*maxval(extent)) cycle
+            call cut_across(place(i, :), 0.5_dp, extent(i), is_before)
+            call mark_sides(graph, side, domain, is_before)
+         else
+            if (across == 0 .or. size(domain) < worth_search) exit
+            call mark_smallest(graph, place(across, :), extent(across), least, side, domain)
+         end if
+         cost = real(count(side(domain) == before), dp)*count(side(domain) == beyond)
+         cost = merge(count(side(domain) == separator)/max(1.0_dp, cost), real(size(domain), dp), cost > 0.0_dp)
+         if (.not. cost < least) cycle
+         least = cost
+         best = side(domain)
+         across = i
+      end do
+      side(domain) = best
+   end subroutine find_best_cut
+
+   !> Marks the smallest separator of a domain in its middle along an axis: as many supervariables as there are paths
+   !> through the middle that share none (Menger), and on each the first that no path can be led around.
+   subroutine mark_smallest(graph, x, extent, least, side, domain)
+      type(graph_t), intent(in) :: graph !! the graph
+      real(dp), intent(in) :: x(:) !! coordinates of the supervariables of the domain (any) [L]
+      real(dp), intent(in) :: extent !! their range [L]
+      real(dp), intent(in) :: least
+         !! supervariables over the product of both sides, from which on a separator is not sought to the end [-]
+      integer, intent(inout) :: side(:) !! gains `before`, `beyond`, `separator` for those of the domain (n)
+      integer, intent(in) :: domain(:) !! the supervariables of the domain
+      ! Share of the domain on each side of the middle: with less a search takes longer than it saves; measured.
+      real(dp), parameter :: share = 0.3_dp
+      logical, allocatable :: is_end(:), touches(:, :), from_before(:, :), from_beyond(:, :)
+      integer, allocatable :: item(:), start(:), near(:), next(:), previous(:)
+      real(dp), allocatable :: x_item(:)
+      integer(int64) :: at
+      integer :: i, k, n, n_found, n_paths, pass
+
+      call cut_across(x, share, extent, is_end)
+      side(domain) = merge(before, separator, is_end)
+      call cut_across(-x, share, extent, is_end)
+      do i = 1, size(domain)
+         if (.not. is_end(i)) cycle
+         if (.not. couples(graph, side, domain(i), before)) side(domain(i)) = beyond
+      end do
+      ! The graph of the middle, whose supervariables have negative numbers for the time being. Neighbors further along
+      ! the axis come first, so that paths lead straight across.
+      item = pack(domain, side(domain) == separator)
+      x_item = pack(x, side(domain) == separator)
+      n = size(item)
+      side(item) = [(-i, i=1, n)]
+      allocate (start(n + 1), near(sum(graph%start(item + 1) - graph%start(item))), next(n), previous(n), source=0)
+      allocate (touches(n, before:beyond), from_before(2, n), from_beyond(2, n), source=.false.)
+      k = 0
+      do i = 1, n
+         start(i) = k + 1
+         do pass = 1, 2
+            do at = graph%start(item(i)), graph%start(item(i) + 1) - 1
+               associate (to => side(graph%neighbor(at)))
+                  if (to > 0) then
+                     touches(i, to) = .true.
+                  else if (to < 0) then
+                     if ((x_item(-to) > x_item(i)) .neqv. (pass == 1)) cycle
+                     k = k + 1
+                     near(k) = -to
+                  end if
+               end associate
+            end do
          end do
       end do
-   end subroutine find_best_cut
+      start(n + 1) = k + 1
+      side(item) = separator
+      n_paths = 0
+      do
+         call add_paths(start, near, touches(:, before), touches(:, beyond), next, previous, from_before, n_found)
+         n_paths = n_paths + n_found
+         if (n_paths >= least*(0.5_dp*size(domain))**2) return
+         if (n_found == 0) exit
+      end do
+      call add_paths(start, near, touches(:, beyond), touches(:, before), previous, next, from_beyond, n_found)
+      ! Of the two separators, each of the first on every path from one side, the better balanced one.
+      if (count(side(domain) == before) + count(from_before(2, :)) >= &
+         count(side(domain) == beyond) + count(from_beyond(2, :))) then
+         side(item) = merge(before, merge(separator, beyond, from_before(1, :)), from_before(2, :))
+      else
+         side(item) = merge(beyond, merge(separator, before, from_beyond(1, :)), from_beyond(2, :))
+      end if
+      ! Two sides that do not couple still get a separator, so that no domain is cut in more than two.
+      if (n_paths == 0) side(domain(1)) = separator
+   end subroutine mark_smallest
+
+   !> Adds paths through a graph to those that it has, each item on one path at most, leading these elsewhere where that
+   !> makes room. A search enters an item and leaves it; one that enters an item of a path goes on from the item before
+   !> it, and from an item whose successor was taken it may go back further.
+   subroutine add_paths(start, near, is_first, is_last, next, previous, seen, n_found)
+      integer, intent(in) :: start(:) !! where the neighbors of each item start, and past the last one (n + 1)
+      integer, intent(in) :: near(:) !! neighbors of each
+      logical, intent(in) :: is_first(:) !! whether a path may start at each (n)
+      logical, intent(in) :: is_last(:) !! whether it may end there (n)
+      integer, intent(inout) :: next(:) !! which follows each on its path, -1 at the end, 0 on none (n)
+      integer, intent(inout) :: previous(:) !! which comes before it, -1 at the start, 0 on none (n)
+      logical, intent(out) :: seen(:, :) !! whether a search entered each, and left it (2, n)
+      integer, intent(out) :: n_found !! number of paths added
+      integer :: path(0:2*size(next)), arc(size(next)), depth, first, i, k
+
+      seen = .false.
+      arc = start(:size(next))
+      n_found = 0
+      do first = 1, size(next)
+         if (seen(1, first) .or. .not. is_first(first)) cycle
+         ! Items that the search entered are positive, those that it left negative.
+         depth = 0
+         call go(first)
+         do while (depth > 0)
+            i = abs(path(depth))
+            if (path(depth) > 0) then
+               k = merge(i, previous(i), next(i) == 0)
+               if (k > 0) then
+                  if (.not. seen(2, k)) then
+                     call go(-k)
+                     cycle
+                  end if
+               end if
+            else if (is_last(i)) then
+               n_found = n_found + 1
+               next(i) = -1
+               do k = depth - 1, 1, -1
+                  i = -path(k)
+                  if (i < 0) cycle
+                  next(i) = merge(0, path(k + 1), path(k + 1) == i)
+                  previous(path(k + 1)) = merge(0, i, path(k + 1) == i)
+               end do
+               previous(first) = -1
+               exit
+            else if (next(i) /= 0 .and. .not. seen(1, i)) then
+               call go(i)
+               cycle
+            else
+               do while (arc(i) < start(i + 1))
+                  k = near(arc(i))
+                  arc(i) = arc(i) + 1
+                  if (seen(1, k)) cycle
+                  call go(k)
+                  exit
+               end do
+               if (path(depth) /= -i) cycle
+            end if
+            depth = depth - 1
+         end do
+      end do
+
+   contains
+
+      !> Enters an item, or leaves it.
+      subroutine go(to)
+         integer, intent(in) :: to !! the item, negative to leave it
+
+         depth = depth + 1
+         path(depth) = to
+         seen(merge(1, 2, to > 0), abs(to)) = .true.
+      end subroutine go
+
+   end subroutine add_paths
 
    !> Marks for each supervariable of a domain whether it lies before a cut, beyond it or in the separator.
    subroutine mark_sides(graph, side, old, is_before)
