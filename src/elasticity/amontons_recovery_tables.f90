@@ -58,8 +58,8 @@ module amontons_recovery_tables
    real(dp), parameter :: far_weight = 0.1_dp
 
    !> Smallest pivot of the normal equations, for each sample. A regular patch has pivots of a few hundredths, one with
-   !> a row of elements too few has 0.
-   real(dp), parameter :: least_pivot = 1.0e-4_dp
+   !> a row of elements too few has 0. In between, what the polynomial cannot be of the stresses grows towards the node.
+   real(dp), parameter :: least_pivot = 4.0e-3_dp
 
    !> Coordinates of a patch in which its nodes have equal variance in all directions and, if the terms of the
    !> polynomial depend on it, the sides of its elements lie along the axes. So slender and rotated elements need no

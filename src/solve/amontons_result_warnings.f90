@@ -256,7 +256,7 @@ contains
       real(dp), parameter :: least_slip = 1.0e-3_dp, least_share = 1.0e-4_dp
       character(*), parameter :: without = ' of the normal force slides without friction: supports hold '
       real(dp) :: lost(body%zone%n_points), slip(body%zone%n_rows), share
-      integer :: set, p, nearest
+      integer :: i, nearest, p, set, t
 
       slip = body%zone%rows%displacement(result%displacement)
       associate (zone => body%zone, normal => result%solution%force(:body%zone%n_points), &
@@ -268,17 +268,22 @@ contains
          do p = 1, zone%n_points
             if (.not. any(zone%is_fixed(:, p)) .or. zone%is_cell(p) .or. &
                .not. max(load_case%friction(p), load_case%slip_bound(p)) > 0.0_dp) cycle
-            ! By how much a corner of a slave slides along the nearest corner of its master [L].
+            ! By how much a corner of a slave slides along the nearest corner of its master that supports hold, too [L].
             if (zone%pairs(zone%set(p))%is_set()) then
                associate (zone => body%zone, pair => body%zone%pairs(body%zone%set(p)))
                   associate (corners => pack(pair%master%side(:size(pair%master%side, 1) - 1, :), &
-                     pair%master%side(:size(pair%master%side, 1) - 1, :) > 0))
-                     nearest = corners(minloc(norm2(body%mesh%coordinates(:, corners) &
-                        - spread(zone%position(:, p), 2, size(corners)), dim=1), dim=1))
-                  end associate
-                  associate (u => result%displacement(:, pair%node(p - findloc(zone%set, zone%set(p), dim=1) + 1)) &
-                     - result%displacement(:, nearest))
-                     slip(zone%n_points + p::zone%n_points) = matmul(u, zone%frame(:, 2:, p))
+                     pair%master%side(:size(pair%master%side, 1) - 1, :) > 0), &
+                     own => pair%node(p - findloc(zone%set, zone%set(p), dim=1) + 1))
+                     do t = 1, zone%n_tangents
+                        associate (along => zone%frame(:, 1 + t, p))
+                           nearest = minloc(norm2(body%mesh%coordinates(:, corners) &
+                              - spread(zone%position(:, p), 2, size(corners)), dim=1), dim=1, &
+                              mask=[(.not. body%constraints%leaves_free(corners(i), along), i=1, size(corners))])
+                           slip(t*zone%n_points + p) = 0.0_dp
+                           if (nearest > 0) slip(t*zone%n_points + p) = dot_product(along, &
+                              result%displacement(:, own) - result%displacement(:, corners(nearest)))
+                        end associate
+                     end do
                   end associate
                end associate
             end if

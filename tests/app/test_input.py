@@ -115,6 +115,45 @@ class Input(ProgramTest):
                             ("contact_force_z_2", 10e3)):
             self.assertAlmostEqual(key[name], exact, delta=1e-4, msg=name)
 
+    def test_pipe_flange_loses_its_thrust_and_keeps_its_bolt(self):
+        with open(self.directory / "pipe_flange.history.csv", encoding="utf-8") as table:
+            keys = ("preload_bolt_force", "preload_bolt_shortening", "force_normal_head", "force_normal_joint", "open_area")
+            rows = {row["time"]: {key: float(row[key]) for key in keys} for row in csv.DictReader(table)}
+        # Springs of VDI 2230: the shank with 0.4 of its diameter for head and nut, and cones of 26 + z mm in the flanges,
+        # 20 mm of 210 GPa and 24 mm of 110 GPa around a hole of 18 mm.
+        bolt = (44 + 0.8*16)/(210e3*math.pi*8**2)
+        cones = 2*math.log((26 + 18)*(26 + 22 - 18)/((26 - 18)*(26 + 22 + 18)))/(math.pi*18*0.5)
+        joint = cones*(20/44/210e3 + 24/44/110e3)
+        # Cones are known for some per cent.
+        self.assertAlmostEqual(rows["1.0"]["preload_bolt_shortening"]/(60e3*(bolt + joint)), 1.0, delta=0.03)
+        for time, row in rows.items():
+            thrust = 3141.5927*max(0.0, float(time) - 1.0)
+            # Statics of the bolt, to the certificate's 1e-8 of 30 000, and of the upper flange: the ends of its bore are
+            # arcs of other nodes, and 10 MPa act on 1e-3 mm^2 between these.
+            self.assertAlmostEqual(row["force_normal_head"], row["preload_bolt_force"], delta=3e-4)
+            self.assertAlmostEqual(row["force_normal_joint"], row["preload_bolt_force"] - thrust, delta=0.02)
+        self.assertAlmostEqual(rows["2.0"]["preload_bolt_force"]/30e3, 0.9943, delta=1e-4)
+        self.assertGreater(rows["2.0"]["open_area"], 4*rows["1.0"]["open_area"])
+
+    def test_dovetail_bears_what_equilibrium_asks(self):
+        key = json.loads((self.directory / "dovetail.summary.json").read_text(encoding="utf-8"))["key_results"]
+        # Of the section by its drawing: 465.9076 mm^2, its centroid at 15.1873 mm; 280 mm further to the axis.
+        spin = 4.43e-9*465.9076*30*700**2*(280 + 15.1873)
+        for name, exact in (("contact_force_y", -40e3 - spin), ("contact_force_z", 0.0),
+                            ("contact_moment_x", 40e3*18 + spin*15)):
+            # The fillets of the mesh are parabolas, to 1e-6 of their areas.
+            self.assertAlmostEqual(key[name], exact, delta=2e-6*max(abs(exact), 1e4), msg=name)
+        contact = self.result("dovetail")
+        self.assertLessEqual(set(contact["status"]), {"slip", "open"})
+        self.assertTrue(1.0 < sum(contact["normal_force"])/((40e3 + spin)/(1.3*math.sqrt(0.5))) < 1.001)
+
+    def test_estimated_errors_of_solids_are_those_of_their_meshes(self):
+        # Polynomials of three elements on an edge, all but undetermined, made 0.35 of 0.26.
+        for name, most in (("pipe_flange", 0.3), ("dovetail", 0.1), ("balls", 0.2)):
+            summary = json.loads((self.directory / f"{name}.summary.json").read_text(encoding="utf-8"))
+            self.assertLess(summary["accuracy"]["relative_error"], most, name)
+            self.assertEqual(summary["warnings"], [], name)
+
     def test_floors_of_solids_bear_what_equilibrium_asks(self):
         weight = 100.0*60.0*40.0*7.85e-9
         for name, expected in (

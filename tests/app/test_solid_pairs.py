@@ -147,6 +147,21 @@ class SolidPairs(ProgramTest):
             # The guided edge slips, too.
             self.assertGreater(abs(plane["tangential_force"][0]), 0.01)
 
+    def test_plane_of_symmetry_through_both_bodies_loses_no_friction(self):
+        # Corners of the master beside the plane are nearer than those on it, which they were mistaken for.
+        self.write("low.msh", mapped_solid((3, 6, 2), "hex8", lambda r, s, t: (
+            3.0*r - 0.5 + 0.5*(round(6.0*s) % 2), 1.2*s, t - 1.0)))
+        for held, slides in ((0.0, False), (0.003, True)):
+            result = self.solve_verified(
+                "&mesh name = 'low'  file = 'low.msh' /\n&mesh name = 'high'  kind = 'box'  size = 1.5, 1.0, 1.0  "
+                "cells = 6, 4, 3 /\n&material young = 100.0  poisson = 0.3 /\n"
+                f"&support set = 'low.bottom'  ux = 0.0  uy = {held}  uz = 0.0 /\n"
+                f"&support set = 'low.front'  uy = {held} /\n&support set = 'high.front'  uy = 0.0 /\n"
+                "&load set = 'high.top'  traction = 0.1, 0.0, -1.0 /\n"
+                "&contact set = 'high.bottom'  against = 'low.top'  friction = 0.3 /\n")
+            found = [text for text in result.summary["warnings"] if "slides without friction" in text]
+            self.assertEqual(len(found), slides)
+
     def test_corner_that_the_master_hardly_covers_is_no_point(self):
         # The master ends just beyond corners of the slave: pressures there were six to nine times the mean.
         for element, origin, size in (("tet10", "0.48, -0.03", "0.7, 0.8"), ("hex8", "0.5, 0.04", "0.85, 0.93"),
