@@ -1,7 +1,8 @@
 """Meshes of a block much larger than its contact zone: even cells in the core, growing ones out to the far sides."""
-from math import log
+from math import hypot, log
 
 from mapped_mesh import mapped_mesh
+from mapped_solid import mapped_solid
 
 # Each cell outside of the core is longer than the one before by this factor when the core's cells measure COARSE, or
 # what is given; when they are halved, so are those outside.
@@ -40,3 +41,26 @@ def between(places, share):
     """The place at a share of a list: one of its places, or the middle between two of them."""
     place, is_middle = divmod(round(2*share*(len(places) - 1)), 2)
     return (places[place] + places[place + 1])/2 if is_middle else places[place]
+
+
+def graded_solid(element, h, size, core, is_half=False, shape=None):
+    """The text of a mesh file of solids: 0 <= x, y, z <= size, or |x| <= size of a half of a block.
+
+    The cells measure h where x and y are at most the core, z a third of it. Their faces there are the set `bottom`, the
+    rest of that side is `far`. With a shape the block is one below, -size <= z <= 0: the upper side, `top`, is lowered by
+    shape(r).
+    """
+    across, up = stations(core, size, h), stations(core/3, size, h)
+    along = [-x for x in across[:0:-1]] + across if is_half else across
+
+    def mapping(r, s, t):
+        x, y = between(along, r), between(across, s)
+        if shape is None:
+            return x, y, between(up, t)
+        down = between(up, 1 - t)
+        return x, y, -down - shape(hypot(x, y))*(1 - down/size)
+
+    def set_of(side, place):
+        reach = max(abs(between(along, place[0])), between(across, place[1]))
+        return "far" if side == ("bottom" if shape is None else "top") and reach > core else side
+    return mapped_solid((len(along) - 1, len(across) - 1, len(up) - 1), element, mapping, set_of)

@@ -18,28 +18,15 @@ import math
 
 from benchmark import Benchmark, main
 from convergence import ValueTable
-from graded_block import between, stations
-from mapped_solid import mapped_solid
+from graded_block import graded_solid
 
-MODULUS, RADIUS, SIZE = 1000.0/0.91, 100.0, 20.0
+MODULUS, RADIUS, SIZE, CORE = 1000.0/0.91, 100.0, 20.0, 1.5
 FORCE, PEAK = 4*MODULUS/(3*RADIUS), 2*MODULUS/(math.pi*RADIUS)
 LEVELS = {"tet4": ((1/4,), (1/12,)), "tet10": ((1/2,), (1/4, 1/6)), "hex8": ((1/4,), (1/6, 1/8)),
           "hex20": ((1/2,), (1/4, 1/6))}
 # Of the pushed block.
 SOFT, FRICTION = 1000.0/(1 - 0.4999**2), 0.3
 PUSHED = {"tet10": ((1/3,), (1/4,)), "hex8": ((1/4,), (1/6,)), "hex20": ((1/3,), (1/4, 1/6))}
-
-
-def block(element, h, is_half=False, core=1.5):
-    """A quarter or half of the block, cells of h where x and y are at most `core`, the set `bottom` the faces there."""
-    across, up = stations(core, SIZE, h), stations(core/3, SIZE, h)
-    along = [-x for x in across[:0:-1]] + across if is_half else across
-
-    def set_of(side, place):
-        reach = max(abs(between(along, place[0])), between(across, place[1]))
-        return "far" if side == "bottom" and reach > core else side
-    return mapped_solid((len(along) - 1, len(across) - 1, len(up) - 1), element,
-                        lambda r, s, t: (between(along, r), between(across, s), between(up, t)), set_of)
 
 
 class SolidHertz(Benchmark):
@@ -49,7 +36,7 @@ class SolidHertz(Benchmark):
         values = ValueTable("Sphere in space", ["element", "h", "quantity"])
         for element, levels in LEVELS.items():
             for h in self.meshes(*levels):
-                result = self.solve(self.deck("solid_sphere", mesh=block(element, h)))
+                result = self.solve(self.deck("solid_sphere", mesh=graded_solid(element, h, SIZE, CORE)))
                 self.assert_sound(result)
                 points = list(zip(result["x"], result["y"], result["normal_force"]))
                 # Half of the last digit of the deck's force is less.
@@ -68,7 +55,7 @@ class SolidHertz(Benchmark):
         force = 4*SOFT/(3*RADIUS)
         for element, levels in PUSHED.items():
             for h in self.meshes(*levels):
-                result = self.solve(self.deck("solid_sphere_pushed", mesh=block(element, h, is_half=True)))
+                result = self.solve(self.deck("solid_sphere_pushed", mesh=graded_solid(element, h, SIZE, CORE, is_half=True)))
                 self.assert_sound(result)
                 squares = [x*x + y*y for x, y in zip(result["x"], result["y"])]
                 size, shear = (2*sum(f*square for f, square in zip(result[name], squares))
