@@ -43,15 +43,15 @@ def between(places, share):
     return (places[place] + places[place + 1])/2 if is_middle else places[place]
 
 
-def graded_solid(element, h, size, core, is_half=False, shape=None):
-    """The text of a mesh file of solids: 0 <= x, y, z <= size, or |x| <= size of a half of a block.
+def graded_solid(element, h, size, core, mirrors=0, shape=None):
+    """The text of a mesh file of solids: 0 <= x, y, z <= size, or |x| <= size, or |x|, |y| <= size with two mirrors.
 
-    The cells measure h where x and y are at most the core, z a third of it. Their faces there are the set `bottom`, the
-    rest of that side is `far`. With a shape the block is one below, -size <= z <= 0: the upper side, `top`, is lowered by
-    shape(r).
+    The cells measure h where x and y are at most the core and z a third of it. Their faces on the core are the set
+    `bottom`, the rest of that side is `far`. With a shape the block is one below, -size <= z <= 0: the upper side, `top`,
+    is lowered by shape(r).
     """
-    across, up = stations(core, size, h), stations(core/3, size, h)
-    along = [-x for x in across[:0:-1]] + across if is_half else across
+    half, up = stations(core, size, h), stations(core/3, size, h)
+    along, across = ([-x for x in half[:0:-1]] + half if mirrors >= count else half for count in (1, 2))
 
     def mapping(r, s, t):
         x, y = between(along, r), between(across, s)
@@ -61,6 +61,6 @@ def graded_solid(element, h, size, core, is_half=False, shape=None):
         return x, y, -down - shape(hypot(x, y))*(1 - down/size)
 
     def set_of(side, place):
-        reach = max(abs(between(along, place[0])), between(across, place[1]))
+        reach = max(abs(between(along, place[0])), abs(between(across, place[1])))
         return "far" if side == ("bottom" if shape is None else "top") and reach > core else side
     return mapped_solid((len(along) - 1, len(across) - 1, len(up) - 1), element, mapping, set_of)
