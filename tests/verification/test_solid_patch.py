@@ -66,7 +66,7 @@ class SolidPatch(Benchmark):
         return moved/max(map(abs, exact(SIZE[2]))), result
 
     def test_floor(self):
-        table = RoundoffTable("On a floor: pressure, shear and displacement", ["case", "element", "mesh"],
+        table = RoundoffTable("On a floor", ["case", "element", "mesh"],
                               ["pressure", "shear", "displacement"], 1e-11)
         for (name, status, shear, exact), element, shape in itertools.product(TWINS, SOLIDS, SHAPES):
             mesh = block(element, self.meshes((3, 3, 2), (6, 5, 4)), shape, 3)
@@ -76,7 +76,7 @@ class SolidPatch(Benchmark):
         self.assert_table(table)
 
     def test_blocks(self):
-        table = RoundoffTable("Between two blocks: pressure, shear and displacement",
+        table = RoundoffTable("Between two blocks",
                               ["relation", "upper", "lower", "mesh", "slave"], ["pressure", "shear", "displacement"],
                               1e-8)
         _, _, shear, exact = TWINS[0]
