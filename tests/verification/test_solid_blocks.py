@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 r"""Blocks on each other in space, beside CalculiX.
 
-Three decks as the test decks of contact that CalculiX has: a small block on a large one, three blocks in a stack, a soft
-block on a hard one, pressed and pushed aslant with friction, their meshes of hexahedra not matching. The forces of
+A small block on a large one, three blocks in a stack, a soft block on a hard one: such are CalculiX' own test decks of
+contact. They are pressed and pushed aslant with friction, and their meshes of hexahedra do not match. The forces of
 reference are those of CalculiX 2.20 with mortar contact on the same meshes, in one increment, its penalty $10^6 E$ and
 its slope of sticking $10^5 E$ per length. Both programs have dual multipliers on the slave, so that the same discrete
 problem is solved. In five increments, on another path of loading, CalculiX has forces that differ by 0.1 to 0.2 %.

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 r"""A part with a bore and fillets.
 
-A lug of curved ten-node tetrahedra by Gmsh stands on a rough floor; the pin in its bore pulls it aslant, so that a part
-of the sole lifts off and nearly all of the rest slips by some $10^{-5}$ mm. Statics say what the floor bears, and where.
+A lug of curved ten-node tetrahedra by Gmsh stands on a rough floor, and the pin in its bore pulls it aslant. A part of
+the sole lifts off, and nearly all of the rest slips by some $10^{-5}$ mm. Statics say what the floor bears, and where.
 Every tetrahedron is cut in eight: the stresses converge in the norm of the strain energy, with the order 1 that the
 edge of the sole leaves, to those of meshes with 30 000 tetrahedra that were made anew.
 
