@@ -80,15 +80,12 @@ module amontons_recovery_tables
 
    !> Moments of weighted points about one of them.
    type :: moments_t
-      real(dp) :: origin(3) = 0.0_dp !! the point [L]
+      real(dp) :: origin(3) = 0.0_dp !! coordinates of this one [L]
       real(dp) :: weight = 0.0_dp !! sum of the weights [-]
-      real(dp) :: first(3) = 0.0_dp !! of the distances along x, y and z [L]
-      real(dp) :: second(3) = 0.0_dp !! of their products xx, xy, yy [L^2]
-      real(dp) :: depth(3) = 0.0_dp !! of their products xz, yz, zz, in space [L^2]
+      real(dp) :: first(3) = 0.0_dp !! first moments [L]
+      real(dp) :: second(3, 3) = 0.0_dp !! second moments [L^2]
    contains
       procedure :: add => moments_add
-      procedure :: add_depth => moments_add_depth
-      procedure :: covariance => moments_covariance
    end type moments_t
 
    !> Number of consecutive elements in a block. The polynomials of all patches would take more memory than anything
@@ -270,7 +267,7 @@ contains
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
       real(dp) :: normal(max_terms, max_terms), right(n_strains, max_terms)
-      real(dp) :: unused(n_strains, max_terms), c(3), xx, xy, yy
+      real(dp) :: unused(n_strains, max_terms)
       type(moments_t) :: moments
       integer :: k, n_dim
       logical :: is_last
@@ -287,26 +284,13 @@ contains
       end if
       if (.not. is_last .and. sum(samples%start(elements + 1) - samples%start(elements)) <= frame%n_terms) return
       call sum_corners(moments, mesh, elements)
-      if (n_dim == 2) call spread_points(frame, moments)
-      if (n_dim == 3) call spread_in_space(frame, moments, 0.0_dp, is_determined)
+      call spread_points(frame, moments, 0.0_dp, is_determined)
       if (frame%n_terms == 9 .and. n_dim == 2) call turn_frame(frame%scale(:2, :2), mesh, elements)
       if (is_linear(frame)) then
+         ! Whether the samples spread in all directions, as the corners do.
          call sum_positions(moments, samples, elements, n_near)
-         if (n_dim == 3) then
-            call spread_in_space(frame, moments, least_pivot, is_determined)
-            is_determined = is_determined .or. is_last
-            return
-         end if
-         ! Whether the samples spread in all directions, as the corners do: whether the pivots of 1, x and y are large.
-         c = moments%covariance()
-         associate (scale => frame%scale)
-            xx = scale(1, 1)**2*c(1)
-            xy = scale(1, 1)*(scale(2, 1)*c(1) + scale(2, 2)*c(2))
-            yy = scale(2, 1)**2*c(1) + 2.0_dp*scale(2, 1)*scale(2, 2)*c(2) + scale(2, 2)**2*c(3)
-         end associate
-         is_determined = xx > least_pivot
-         if (is_determined) is_determined = yy - xy**2/xx > least_pivot
-         if (is_determined) call spread_points(frame, moments)
+         call spread_points(frame, moments, least_pivot, is_determined)
+         is_determined = is_determined .or. is_last
       else
          ! In a layer the square of one coordinate is undetermined: each of the three is the last one in turn.
          do k = 1, merge(3, 1, n_dim == 3 .and. frame%n_terms < max_terms)
@@ -323,17 +307,13 @@ contains
       type(moments_t), intent(out) :: moments !! the moments
       type(mesh_t), intent(in) :: mesh !! the mesh
       integer, intent(in) :: elements(:) !! the elements
-      integer :: first, i, k, n_dim
+      integer :: first, i, k
 
-      n_dim = size(mesh%coordinates, 1)
-      moments%origin(:n_dim) = mesh%coordinates(:, mesh%node(mesh%node_start(elements(1))))
+      moments%origin(:size(mesh%coordinates, 1)) = mesh%coordinates(:, mesh%node(mesh%node_start(elements(1))))
       do i = 1, size(elements)
          first = mesh%node_start(elements(i))
          do k = first, first + n_corners(mesh%element_kind(elements(i))) - 1
-            associate (node => mesh%node(k))
-               call moments%add(mesh%coordinates(1, node), mesh%coordinates(2, node), 1.0_dp)
-               if (n_dim == 3) call moments%add_depth(mesh%coordinates(:, node), 1.0_dp)
-            end associate
+            call moments%add(mesh%coordinates(:, mesh%node(k)), 1.0_dp)
          end do
       end do
    end subroutine sum_corners
@@ -345,104 +325,67 @@ contains
       integer, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
       real(dp) :: weight
-      integer :: i, k, n_dim
+      integer :: i, k
 
-      n_dim = size(samples%position, 1)
-      moments%origin(:n_dim) = samples%position(:, samples%start(elements(1)))
+      moments%origin(:size(samples%position, 1)) = samples%position(:, samples%start(elements(1)))
       do i = 1, size(elements)
          weight = merge(1.0_dp, far_weight, i <= n_near)
          do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
-            call moments%add(samples%position(1, k), samples%position(2, k), weight)
-            if (n_dim == 3) call moments%add_depth(samples%position(:, k), weight)
+            call moments%add(samples%position(:, k), weight)
          end do
       end do
    end subroutine sum_positions
 
    !> Adds a point to the moments of a set of points.
-   pure subroutine moments_add(self, x, y, weight)
+   pure subroutine moments_add(self, x, weight)
       class(moments_t), intent(inout) :: self !! the moments of other points
-      real(dp), intent(in) :: x !! coordinate of the point [L]
-      real(dp), intent(in) :: y !! its other coordinate [L]
+      real(dp), intent(in) :: x(:) !! coordinates of the point (n_dim) [L]
       real(dp), intent(in) :: weight !! its weight [-]
-
-      associate (dx => x - self%origin(1), dy => y - self%origin(2))
-         self%weight = self%weight + weight
-         self%first(:2) = self%first(:2) + weight*[dx, dy]
-         self%second = self%second + weight*[dx*dx, dx*dy, dy*dy]
-      end associate
-   end subroutine moments_add
-
-   !> Adds the third coordinate of a point in space to the moments.
-   pure subroutine moments_add_depth(self, x, weight)
-      class(moments_t), intent(inout) :: self !! the moments, of the point the others
-      real(dp), intent(in) :: x(3) !! coordinates of the point [L]
-      real(dp), intent(in) :: weight !! its weight [-]
-
-      self%first(3) = self%first(3) + weight*(x(3) - self%origin(3))
-      self%depth = self%depth + weight*(x(3) - self%origin(3))*(x - self%origin)
-   end subroutine moments_add_depth
-
-   !> The covariance of the points along x and y: xx, xy, yy [L^2].
-   pure function moments_covariance(self) result(covariance)
-      class(moments_t), intent(in) :: self !! the moments of the points
-      real(dp) :: covariance(3)
-
-      associate (mean => self%first/self%weight)
-         covariance = self%second/self%weight - [mean(1)*mean(:2), mean(2)**2]
-      end associate
-   end function moments_covariance
-
-   !> Sets coordinates in which some points have equal variance in all directions.
-   pure subroutine spread_points(frame, moments)
-      type(frame_t), intent(inout) :: frame !! the coordinates
-      type(moments_t), intent(in) :: moments !! the moments of the points, which are not in a line
-      real(dp) :: c(3), slope
-
-      c = moments%covariance()
-      frame%center(:2) = moments%origin(:2) + moments%first(:2)/moments%weight
-      ! The inverse of the Cholesky factor of the covariance.
-      frame%scale(1, 1) = 1.0_dp/sqrt(c(1))
-      slope = c(2)*frame%scale(1, 1)
-      frame%scale(2, 2) = 1.0_dp/sqrt(c(3) - slope**2)
-      frame%scale(2, 1) = -slope*frame%scale(1, 1)*frame%scale(2, 2)
-      frame%scale(1, 2) = 0.0_dp
-   end subroutine spread_points
-
-   !> Sets coordinates in space in which some points have equal variance in all directions in which they are spread, and
-   !> are 0 in others.
-   pure subroutine spread_in_space(frame, moments, least, is_spread)
-      type(frame_t), intent(inout) :: frame !! the coordinates; those before say which variance counts
-      type(moments_t), intent(in) :: moments !! the moments of the points
-      real(dp), intent(in) :: least !! least variance that counts; 0 for points that are not in a plane [-]
-      logical, intent(out) :: is_spread !! whether they are spread in all directions
-      real(dp) :: covariance(3, 3), inverse(3, 3), row(3), pivot
       integer :: k
 
-      associate (mean => moments%first/moments%weight, in_plane => moments%covariance())
+      self%weight = self%weight + weight
+      do k = 1, size(x)
+         associate (way => x(k) - self%origin(k))
+            self%first(k) = self%first(k) + weight*way
+            self%second(:size(x), k) = self%second(:size(x), k) + weight*way*(x - self%origin(:size(x)))
+         end associate
+      end do
+   end subroutine moments_add
+
+   !> Sets coordinates in which some points have equal variance in all directions in which they are spread, and are 0 in
+   !> others.
+   pure subroutine spread_points(frame, moments, least, is_spread)
+      type(frame_t), intent(inout) :: frame !! the coordinates; those before say which variance counts
+      type(moments_t), intent(in) :: moments !! the moments of the points
+      real(dp), intent(in) :: least
+         !! least variance that counts; 0 for points that span the plane or space, and have no coordinates before [-]
+      logical, intent(out) :: is_spread !! whether they are spread in all directions
+      real(dp) :: covariance(3, 3), axis(3), along(3), pivot
+      integer :: j, k
+
+      associate (mean => moments%first/moments%weight)
          frame%center = moments%origin + mean
-         covariance(:, 3) = moments%depth/moments%weight - mean(3)*mean
-         covariance(:2, 1) = in_plane(:2)
-         covariance(:2, 2) = in_plane(2:)
+         do k = 1, 3
+            covariance(:, k) = moments%second(:, k)/moments%weight - mean(k)*mean
+         end do
       end associate
-      covariance(3, :2) = covariance(:2, 3)
-      if (least > 0.0_dp) then
-         covariance = matmul(frame%scale, matmul(covariance, transpose(frame%scale)))
-      else
+      if (.not. least > 0.0_dp) then
          frame%scale = reshape([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], [3, 3], pad=[1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp])
       end if
-      ! The inverse of the Cholesky factor of the covariance, row by row.
-      inverse = 0.0_dp
+      ! The rows, made orthonormal in the product of the covariance one after another.
       is_spread = .true.
-      do k = 1, 3
-         row = matmul(inverse, covariance(:, k))
-         pivot = covariance(k, k) - sum(row(:k - 1)**2)
+      do k = 1, frame%n_dim
+         axis = frame%scale(k, :)
+         do j = 1, k
+            along = axis(1)*covariance(:, 1) + axis(2)*covariance(:, 2) + axis(3)*covariance(:, 3)
+            if (j < k) axis = axis - dot_product(frame%scale(j, :), along)*frame%scale(j, :)
+         end do
+         pivot = dot_product(axis, along)
          is_spread = is_spread .and. pivot > least
-         if (pivot <= least) cycle
-         inverse(k, :k - 1) = -matmul(row(:k - 1), inverse(:k - 1, :k - 1))/sqrt(pivot)
-         inverse(k, k) = 1.0_dp/sqrt(pivot)
+         frame%scale(k, :) = 0.0_dp
+         if (pivot > least) frame%scale(k, :) = axis/sqrt(pivot)
       end do
-      frame%scale = matmul(inverse, frame%scale)
-   end subroutine spread_in_space
+   end subroutine spread_points
 
    !> Turns the coordinates of a patch until the sides of its quadrilaterals lie along the axes. Their angle is that of
    !> the sum of the fourth powers of the sides as complex numbers, which do not depend on the sign of a side and on

@@ -389,8 +389,8 @@ contains
       real(dp), contiguous, intent(in) :: stress(:, :) !! their stresses (n_strains, n_samples) [F/L^2]
       integer, contiguous, intent(in) :: elements(:) !! the elements of the patch
       integer, intent(in) :: n_near !! number of leading elements of the patch, which meet at its node
-      real(dp) :: distance(2), weight, x, y, place(3)
-      integer :: i, k, component
+      real(dp) :: p(max_terms), weight
+      integer :: i, j, k, component
 
       total = 0.0_dp
       right(:, :4) = 0.0_dp
@@ -398,24 +398,13 @@ contains
       do i = 1, size(elements)
          if (i > n_near) weight = far_weight
          do k = samples%start(elements(i)), samples%start(elements(i) + 1) - 1
-            if (size(samples%position, 1) == 3) then
-               place = weight*matmul(frame%scale, samples%position(:, k) - frame%center)
-               total = total + weight
-               right(:, 1) = right(:, 1) + weight*stress(:, k)
-               do component = 1, 3
-                  right(:, component + 1) = right(:, component + 1) + place(component)*stress(:, k)
-               end do
-               cycle
-            end if
-            distance = samples%position(:2, k) - frame%center(:2)
-            x = weight*frame%scale(1, 1)*distance(1)
-            y = weight*(frame%scale(2, 1)*distance(1) + frame%scale(2, 2)*distance(2))
+            call find_terms(frame, frame%n_dim + 1, samples%position(:, k), p)
             total = total + weight
-            !$omp simd
-            do component = 1, n_strains
-               right(component, 1) = right(component, 1) + weight*stress(component, k)
-               right(component, 2) = right(component, 2) + x*stress(component, k)
-               right(component, 3) = right(component, 3) + y*stress(component, k)
+            do j = 1, frame%n_dim + 1
+               !$omp simd
+               do component = 1, n_strains
+                  right(component, j) = right(component, j) + weight*p(j)*stress(component, k)
+               end do
             end do
          end do
       end do
