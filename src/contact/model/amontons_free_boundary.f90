@@ -5,23 +5,20 @@
 !> measured as at contact points: along the normals of the boundary, for small displacements. A corner of the body is
 !> measured along the normals of both its sides. In space every node of the boundary that belongs to no contact set is
 !> looked at, along the mean normal of the faces around it.
-!>
-!> Sides are found by the columns that they lie in: bins along the axis in which the boundary is longer.
 module amontons_free_boundary
    use amontons_constraints, only: constraints_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: side_shapes
-   use amontons_error, only: error_t
-   use amontons_face, only: face_t, new_face, set_faces
+   use amontons_face, only: face_t, new_face
    use amontons_friction_law, only: open_point
-   use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
-   use amontons_mesh, only: mesh_t, side_element, side_place
+   use amontons_mesh, only: find_set, side_element, side_number, side_place
    use amontons_mortar_pair, only: mortar_pair_t
    use amontons_obstacle, only: cross_product, steepest_cosine, unit_vector
    use amontons_rounding, only: difference_rounding, input_rounding, sum_rounding
-   use amontons_surface, only: join_sides, meet_master, meet_side, meeting_t, meshed_body_t, surface_place_t, surface_t
+   use amontons_surface, only: join_sides, meet_master, meet_side, meeting_t, meshed_body_t, sides_near, &
+      surface_place_t, surface_t
    implicit none (type, external)
    private
 
@@ -79,29 +76,17 @@ module amontons_free_boundary
       logical :: has_middle = .false. !! whether it has a node in its middle
    end type displaced_side_t
 
-   !> The boundary of a mesh as straight sides, body on the left, sorted by the columns that they lie in.
-   type :: columns_t
-      real(dp), allocatable :: corner(:, :, :) !! coordinates of both corners of each side (2, 2, sides) [L]
-      integer :: axis = 1 !! the axis that columns follow each other along: 1 for x, 2 for y
-      real(dp) :: low = 0.0_dp !! where the first column begins [L]
-      real(dp) :: width = 0.0_dp !! width of a column [L]
-      integer, allocatable :: start(:) !! first place of each column in `side`, and one beyond the last (columns + 1)
-      integer, allocatable :: side(:) !! the sides, column by column
-   contains
-      procedure :: contain => columns_contain
-      procedure :: distance => columns_distance
-      procedure :: near => columns_near
-   end type columns_t
-
    !> The boundary of a body, what of it contact sets and ties have, and what of it one contact set.
    type :: outline_t
-      type(surface_t) :: surface !! all its sides
-      type(columns_t) :: columns !! the same, straight
+      integer, allocatable :: side(:, :) !! its sides, as of `mesh_set_sides` (size, sides)
+      logical, allocatable :: is_taken(:) !! whether a side belongs to a contact set or tie (sides)
+      logical, allocatable :: is_taken_node(:) !! whether a node does (0:nodes)
+      real(dp), allocatable :: normal(:, :)
+         !! in space: sum of the outward areas of the sides around each node that are not taken (3, nodes) [L^2]
+      type(surface_t) :: surface !! in the plane, as what follows: all sides
       integer, allocatable :: beside(:, :)
          !! the side that ends where each side begins, and the one that begins where it ends; 0 for none or, where parts
          !! of a body meet in a single node, for several (2, sides)
-      logical, allocatable :: is_taken(:) !! whether a side belongs to a contact set or tie (sides)
-      logical, allocatable :: is_taken_node(:) !! whether a node does (nodes)
       logical, allocatable :: is_own(:, :)
          !! which sides are of the contact set and, of a pair, of that of the other body (sides, 2)
       logical, allocatable :: is_beyond(:, :) !! which follow beyond their ends, and are not taken (sides, 2)
@@ -127,88 +112,44 @@ contains
 
       allocate (boundary%nodes(0), boundary%ends(0))
       if (size(contacts) == 0) return
-      if (size(body%mesh%coordinates, 1) == 3) then
-         call add_nodes_in_space(boundary, body, contacts, ties)
-         return
-      end if
       call new_outline(outline, body, contacts, ties)
       do i = 1, size(contacts)
-         call outline%choose(i, contacts(i), body%mesh, zone)
-         call add_nodes(boundary, outline, i, 1, contacts(i)%direction(:2), body%constraints, zone)
-         call add_nodes(boundary, outline, i, 2, contacts(i)%direction(:2), body%constraints, zone)
+         if (size(body%mesh%coordinates, 1) == 3) then
+            call add_nodes_in_space(boundary, outline, i, contacts(i), body%constraints)
+         else
+            call outline%choose(i, contacts(i), body, zone)
+            call add_nodes(boundary, outline, i, 1, contacts(i)%direction(:2), body%constraints, zone)
+            call add_nodes(boundary, outline, i, 2, contacts(i)%direction(:2), body%constraints, zone)
+         end if
       end do
    end subroutine new_free_boundary
 
    !> Adds the nodes of a solid's boundary that belong to no contact set or tie and that supports leave free along the
-   !> normal, for the sets on rigid obstacles.
-   subroutine add_nodes_in_space(boundary, body, contacts, ties)
+   !> normal, for a set on a rigid obstacle.
+   pure subroutine add_nodes_in_space(boundary, outline, set, contact, constraints)
       type(free_boundary_t), intent(inout) :: boundary !! the free boundary
-      class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
-      type(contact_t), intent(in) :: contacts(:) !! the contact sets
-      type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
-      type(free_node_t), allocatable :: found(:)
-      type(face_t), allocatable :: faces(:)
-      type(face_t) :: face
-      type(error_t), allocatable :: error
-      integer, allocatable :: taken(:)
-      logical :: is_taken(body%mesh%n_nodes)
-      real(dp) :: normal(3, body%mesh%n_nodes)
-      integer :: i, k, n, node
+      type(outline_t), intent(in) :: outline !! the sides of the boundary
+      integer, intent(in) :: set !! number of the contact set
+      type(contact_t), intent(in) :: contact !! the contact set
+      type(constraints_t), intent(in) :: constraints !! the supports
+      type(free_node_t) :: found(size(outline%normal, 2))
+      integer :: n, node
 
-      allocate (taken(0))
-      is_taken = .false.
-      do i = 1, size(contacts)
-         call take(contacts(i)%set)
-         if (contacts(i)%pairing%is_pair()) call take(contacts(i)%pairing%against)
-      end do
-      do i = 1, size(ties)
-         call take(ties(i)%set)
-         call take(ties(i)%against)
-      end do
-      normal = 0.0_dp
-      do i = 1, size(body%outer)
-         if (any(taken == body%outer(i))) cycle
-         associate (element => side_element(body%outer(i)))
-            call new_face(face, [body%mesh%side(element, side_place(body%outer(i))), element], body%mesh)
-         end associate
-         do k = 1, face%n_nodes
-            normal(:, face%node(k)) = normal(:, face%node(k)) + sum(face%outward, dim=2)
-         end do
-      end do
-      allocate (found(size(contacts)*count(.not. is_taken)))
+      if (contact%pairing%is_pair()) return
       n = 0
-      do i = 1, size(contacts)
-         if (contacts(i)%pairing%is_pair()) cycle
-         do node = 1, body%mesh%n_nodes
-            if (is_taken(node) .or. .not. any(abs(normal(:, node)) > 0.0_dp)) cycle
-            associate (outward => unit_vector(normal(:, node)), direction => contacts(i)%direction)
-               if (.not. (body%constraints%leaves_free(node, outward) .or. body%constraints%rigid_of(node) > 0)) cycle
-               n = n + 1
-               found(n)%node = node
-               found(n)%set = i
-               found(n)%normal = outward
-               if (.not. any(abs(direction) > 0.0_dp)) cycle
-               found(n)%normal = unit_vector(direction)
-               if (dot_product(unit_vector(direction), outward) < steepest_cosine) n = n - 1
-            end associate
-         end do
+      do node = 1, size(found)
+         if (outline%is_taken_node(node) .or. .not. any(abs(outline%normal(:, node)) > 0.0_dp)) cycle
+         associate (outward => unit_vector(outline%normal(:, node)), is_given => any(abs(contact%direction) > 0.0_dp))
+            if (.not. (constraints%leaves_free(node, outward) .or. constraints%rigid_of(node) > 0)) cycle
+            n = n + 1
+            found(n)%node = node
+            found(n)%set = set
+            found(n)%normal = outward
+            if (is_given) found(n)%normal = unit_vector(contact%direction)
+            if (dot_product(found(n)%normal, outward) < steepest_cosine) n = n - 1
+         end associate
       end do
-      boundary%nodes = found(:n)
-
-   contains
-
-      !> Takes the faces of a set.
-      subroutine take(set)
-         character(*), intent(in) :: set !! name of the set
-
-         ! not raised: contact zone and ties have been made of these sets
-         call set_faces(faces, body%mesh, set, error)
-         taken = [taken, faces%number]
-         do k = 1, size(faces)
-            is_taken(faces(k)%node(:faces(k)%n_nodes)) = .true.
-         end do
-      end subroutine take
-
+      boundary%nodes = [boundary%nodes, found(:n)]
    end subroutine add_nodes_in_space
 
    !> Lists the sides of the boundary, and which of them contact sets and ties have.
@@ -217,59 +158,71 @@ contains
       class(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(contact_t), intent(in) :: contacts(:) !! the contact sets
       type(mortar_pair_t), intent(in) :: ties(:) !! the surfaces that are bonded
+      type(face_t) :: face
       integer, dimension(body%mesh%n_nodes) :: from, to
-      integer :: i
+      integer :: i, k, n
 
-      call join_sides(outline%surface, body, boundary_sides(body))
-      associate (side => outline%surface%side)
-         call new_columns(outline%columns, side, body%mesh%coordinates)
-         from = 0
-         to = 0
+      outline%side = boundary_sides(body)
+      n = size(outline%side, 1) - 1
+      outline%is_taken = spread(.false., 1, size(body%outer))
+      do i = 1, size(contacts)
+         outline%is_taken = outline%is_taken .or. is_of_set(body, contacts(i)%set)
+         if (contacts(i)%pairing%is_pair()) outline%is_taken = outline%is_taken &
+            .or. is_of_set(body, contacts(i)%pairing%against)
+      end do
+      do i = 1, size(ties)
+         outline%is_taken = outline%is_taken .or. is_of_set(body, ties(i)%set) .or. is_of_set(body, ties(i)%against)
+      end do
+      allocate (outline%is_taken_node(0:body%mesh%n_nodes), source=.false.)
+      do i = 1, size(body%outer)
+         if (outline%is_taken(i)) outline%is_taken_node(outline%side(:n, i)) = .true.
+      end do
+      if (size(body%mesh%coordinates, 1) == 3) then
+         allocate (outline%normal(3, body%mesh%n_nodes), source=0.0_dp)
+         do i = 1, size(body%outer)
+            if (outline%is_taken(i)) cycle
+            call new_face(face, outline%side(:, i), body%mesh)
+            do k = 1, face%n_nodes
+               outline%normal(:, face%node(k)) = outline%normal(:, face%node(k)) + sum(face%outward, dim=2)
+            end do
+         end do
+         return
+      end if
+      call join_sides(outline%surface, body, outline%side)
+      from = 0
+      to = 0
+      associate (side => outline%side)
          do i = 1, size(side, 2)
             from(side(1, i)) = merge(i, -1, from(side(1, i)) == 0)
             to(side(2, i)) = merge(i, -1, to(side(2, i)) == 0)
          end do
          outline%beside = reshape([(max(0, to(side(1, i))), max(0, from(side(2, i))), i=1, size(side, 2))], &
             [2, size(side, 2)])
-         allocate (outline%is_taken(size(side, 2)), source=.false.)
-         do i = 1, size(contacts)
-            outline%is_taken = outline%is_taken .or. sides_of(side, body%mesh, contacts(i)%set)
-            if (contacts(i)%pairing%is_pair()) outline%is_taken = outline%is_taken &
-               .or. sides_of(side, body%mesh, contacts(i)%pairing%against)
-         end do
-         do i = 1, size(ties)
-            outline%is_taken = outline%is_taken .or. sides_of(side, body%mesh, ties(i)%set) &
-               .or. sides_of(side, body%mesh, ties(i)%against)
-         end do
-         allocate (outline%is_taken_node(0:body%mesh%n_nodes), source=.false.)
-         do i = 1, size(side, 2)
-            if (outline%is_taken(i)) outline%is_taken_node(side(:3, i)) = .true.
-         end do
       end associate
    end subroutine new_outline
 
    !> Chooses a contact set: its sides and the boundary beyond its ends, and the same of the other body of a pair.
-   pure subroutine outline_choose(self, set, contact, mesh, zone)
+   pure subroutine outline_choose(self, set, contact, body, zone)
       class(outline_t), intent(inout) :: self !! the sides of the boundary
       integer, intent(in) :: set !! number of the contact set
       type(contact_t), intent(in) :: contact !! the contact set
-      type(mesh_t), intent(in) :: mesh !! the mesh
+      class(meshed_body_t), intent(in) :: body !! mesh and its boundary
       type(contact_zone_t), intent(in) :: zone !! the contact points
       ! Displacements that the theory is for, over the body's size.
       real(dp), parameter :: small = 0.05_dp
       integer :: i, k, p, side
 
       if (.not. allocated(self%is_own)) allocate (self%is_own(size(self%is_taken), 2), &
-         self%is_beyond(size(self%is_taken), 2), self%is_near(0:mesh%n_nodes))
+         self%is_beyond(size(self%is_taken), 2), self%is_near(0:body%mesh%n_nodes))
       self%is_own = .false.
       self%is_beyond = .false.
       self%is_near = .false.
       self%least = 0.0_dp
-      self%is_own(:, 1) = sides_of(self%surface%side, mesh, contact%set)
+      self%is_own(:, 1) = is_of_set(body, contact%set)
       if (contact%pairing%is_pair()) then
-         self%is_own(:, 2) = sides_of(self%surface%side, mesh, contact%pairing%against)
-         self%reach = max(zone%pairs(set)%search, small*maxval(maxval(mesh%coordinates, dim=2) &
-            - minval(mesh%coordinates, dim=2)))
+         self%is_own(:, 2) = is_of_set(body, contact%pairing%against)
+         self%reach = max(zone%pairs(set)%search, small*maxval(maxval(body%mesh%coordinates, dim=2) &
+            - minval(body%mesh%coordinates, dim=2)))
          do i = 1, size(zone%pairs(set)%segments)
             associate (segment => zone%pairs(set)%segments(i))
                self%is_near(pack(zone%pairs(set)%slave%side(:3, segment%slave), segment%range(1) <= places &
@@ -394,7 +347,6 @@ contains
       type(surface_place_t) :: place
       type(meeting_t) :: meeting
       integer, allocatable :: near(:)
-      real(dp) :: across
       integer :: k
 
       associate (surface => self%surface, normal => self%surface%normal(:, corner, side))
@@ -405,11 +357,7 @@ contains
             return
          end if
          place = surface%place(side, places(corner))
-         ! The columns that its ray crosses.
-         associate (axis => self%columns%axis)
-            across = surface%longest + self%reach*abs(place%normal(axis))/norm2(place%normal)
-            near = self%columns%near(place%position(axis) - across, place%position(axis) + across)
-         end associate
+         near = sides_near(surface, side, surface, self%reach)
          near = pack(near, self%is_own(near, 3 - of) .or. self%is_beyond(near, 3 - of))
          meeting = meet_master(surface, near, place, self%reach)
          if (meeting%side == 0) return
@@ -440,115 +388,61 @@ contains
          mask=zone%set == set)
    end function nearest_point
 
-   !> The sides of the boundary: first corner, second corner, middle or 0, element; body on the left (4, sides).
+   !> The sides of the boundary, as of `mesh_set_sides` (size, sides).
    pure function boundary_sides(body) result(sides)
       class(meshed_body_t), intent(in) :: body !! mesh and its boundary
       integer, allocatable :: sides(:, :)
-      integer :: i
+      integer :: i, n
 
-      allocate (sides(4, size(body%outer)))
+      n = size(body%mesh%side(1, 1))
+      allocate (sides(n + 1, size(body%outer)))
       do i = 1, size(body%outer)
-         sides(4, i) = side_element(body%outer(i))
-         sides(:3, i) = body%mesh%side(sides(4, i), side_place(body%outer(i)))
+         sides(n + 1, i) = side_element(body%outer(i))
+         sides(:n, i) = body%mesh%side(sides(n + 1, i), side_place(body%outer(i)))
       end do
    end function boundary_sides
 
    !> Which sides of the boundary belong to a boundary set.
-   pure function sides_of(side, mesh, set) result(is_in)
-      integer, intent(in) :: side(:, :) !! the sides of the boundary (4, sides)
-      type(mesh_t), intent(in) :: mesh !! the mesh
+   pure function is_of_set(body, set) result(is_in)
+      class(meshed_body_t), intent(in) :: body !! mesh and its boundary
       character(*), intent(in) :: set !! name of the boundary set
-      logical :: is_in(size(side, 2))
-      integer, allocatable :: own(:, :)
-      type(error_t), allocatable :: error
-      integer :: next(mesh%n_nodes)
+      logical, allocatable :: is_in(:)
 
-      ! not raised: the contact zone has been made of these sets
-      call mesh%set_sides(set, own, error)
-      next = 0
-      next(own(1, :)) = own(2, :)
-      is_in = next(side(1, :)) == side(2, :)
-   end function sides_of
-
-   !> Sorts sides by the columns that they lie in, as many as there are sides.
-   pure subroutine new_columns(columns, side, coordinates)
-      type(columns_t), intent(out) :: columns !! the columns
-      integer, intent(in) :: side(:, :) !! first corner, second corner and more of each side (4, sides)
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
-      integer, allocatable :: bin(:), of(:)
-      real(dp) :: extent(2)
-      integer :: low(size(side, 2)), high(size(side, 2)), i, k
-
-      associate (n => size(side, 2))
-         columns%corner = reshape([(coordinates(:, side(:2, i)), i=1, n)], [2, 2, n])
-         extent = [(maxval(columns%corner(k, :, :)) - minval(columns%corner(k, :, :)), k=1, 2)]
-         columns%axis = maxloc(extent, dim=1)
-         columns%low = minval(columns%corner(columns%axis, :, :))
-         columns%width = max(extent(columns%axis)/n, tiny(1.0_dp))
-         low = [(column_of(columns, minval(columns%corner(columns%axis, :, i)), n), i=1, n)]
-         high = [(column_of(columns, maxval(columns%corner(columns%axis, :, i)), n), i=1, n)]
-         bin = [((k, k=low(i), high(i)), i=1, n)]
-         of = [((i, k=low(i), high(i)), i=1, n)]
-         call fill_bins(columns%start, columns%side, bin, n)
+      allocate (is_in(side_number(body%mesh%n_elements + 1, 0)), source=.false.)
+      associate (own => body%mesh%sets(find_set(body%mesh%sets, set)))
+         is_in(side_number(own%element, own%side)) = .true.
       end associate
-      columns%side = of(columns%side)
-   end subroutine new_columns
+      is_in = is_in(body%outer)
+   end function is_of_set
 
-   !> The column of a coordinate; the first or last one for what lies beyond.
-   pure integer function column_of(columns, x, n) result(column)
-      type(columns_t), intent(in) :: columns !! the columns
-      real(dp), intent(in) :: x !! the coordinate [L]
-      integer, intent(in) :: n !! number of columns
-
-      column = 1 + int(min(n - 1.0_dp, max(0.0_dp, (x - columns%low)/columns%width)))
-   end function column_of
-
-   !> The sides in the columns between two coordinates; one that lies in several is there several times.
-   pure function columns_near(self, low, high) result(near)
-      class(columns_t), intent(in) :: self !! the columns
-      real(dp), intent(in) :: low !! the one coordinate [L]
-      real(dp), intent(in) :: high !! the other one, not smaller [L]
-      integer, allocatable :: near(:)
-
-      associate (n => size(self%start) - 1)
-         near = self%side(self%start(column_of(self, low, n)):self%start(column_of(self, high, n) + 1) - 1)
-      end associate
-   end function columns_near
-
-   !> The distance of a point from a side [L].
-   pure real(dp) function columns_distance(self, side, point) result(distance)
-      class(columns_t), intent(in) :: self !! the columns
-      integer, intent(in) :: side !! the side
+   !> Whether a point lies in a body: its straight sides above the point wind around it. Corners above or below the
+   !> point count as lying on its left, so that one of their two sides is met, both or none.
+   pure logical function contains_point(sides, coordinates, point) result(contains)
+      integer, intent(in) :: sides(:, :) !! the sides of the boundary, body on the left (4, sides)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: point(2) !! the point [L]
-
-      associate (way => self%corner(:, 2, side) - self%corner(:, 1, side), before => point - self%corner(:, 1, side))
-         distance = norm2(before - way*min(1.0_dp, max(0.0_dp, dot_product(before, way)/dot_product(way, way))))
-      end associate
-   end function columns_distance
-
-   !> Whether a point lies in the body: the sides that a ray across the columns meets wind around it. Corners on the ray
-   !> count as lying before it, so that one of their two sides is met, both or none.
-   pure logical function columns_contain(self, point)
-      class(columns_t), intent(in) :: self !! the columns
-      real(dp), intent(in) :: point(2) !! the point [L]
-      integer, allocatable :: near(:)
       integer :: i, winding
 
       winding = 0
-      associate (axis => self%axis, across => 3 - self%axis)
-         near = self%near(point(axis), point(axis))
-         do i = 1, size(near)
-            associate (a => self%corner(:, 1, near(i)), b => self%corner(:, 2, near(i)))
-               if ((a(axis) <= point(axis)) .eqv. (b(axis) <= point(axis))) cycle
-               ! The body is on the left: below a side towards -x, beside one towards +y.
-               if (a(across) + (point(axis) - a(axis))*(b(across) - a(across))/(b(axis) - a(axis)) &
-                  <= point(across)) cycle
-               winding = winding + merge(1, -1, (a(axis) > b(axis)) .eqv. axis == 1)
-            end associate
-         end do
-      end associate
-      columns_contain = winding > 0
-   end function columns_contain
+      do i = 1, size(sides, 2)
+         associate (a => coordinates(:, sides(1, i)), b => coordinates(:, sides(2, i)))
+            if ((a(1) <= point(1)) .eqv. (b(1) <= point(1))) cycle
+            if (a(2) + (point(1) - a(1))*(b(2) - a(2))/(b(1) - a(1)) <= point(2)) cycle
+            winding = winding + merge(1, -1, a(1) > b(1))
+         end associate
+      end do
+      contains = winding > 0
+   end function contains_point
+
+   !> The distance of a point from a straight side [L].
+   pure real(dp) function distance_from(a, b, point) result(distance)
+      real(dp), intent(in) :: a(2) !! where the side begins [L]
+      real(dp), intent(in) :: b(2) !! where it ends [L]
+      real(dp), intent(in) :: point(2) !! the point [L]
+
+      distance = norm2(point - a - (b - a)*min(1.0_dp, max(0.0_dp, dot_product(point - a, b - a) &
+         /dot_product(b - a, b - a))))
+   end function distance_from
 
    !> Finds the distance of a node to the obstacle or body that it faces, before any displacement.
    pure subroutine measure_node(node, contact, position, gap, is_met)
@@ -673,10 +567,9 @@ contains
       real(dp), intent(in) :: limits(2) !! these limits, over the largest displacement [-]
       ! Over the largest displacement: a roughness of measured profiles that is smaller does not spoil the pressures.
       real(dp), parameter :: negligible = 1.0e-2_dp
-      integer, allocatable :: sides(:, :), outer(:, :)
-      real(dp), allocatable :: corners(:, :), apart(:)
-      type(error_t), allocatable :: error
-      type(columns_t) :: rest, displaced
+      integer, allocatable :: sides(:, :)
+      logical, allocatable :: is_own(:)
+      real(dp), allocatable :: corners(:, :), apart(:), displaced(:, :)
       type(displaced_side_t) :: side
       real(dp) :: largest, least
       integer :: i, k, j, l, p
@@ -688,14 +581,13 @@ contains
       do i = 1, size(contacts)
          corners = corners_of(contacts(i))
          if (size(corners) == 0 .or. all(zone%set /= i)) cycle
-         call body%mesh%set_sides(contacts(i)%set, sides, error)
-         if (allocated(error)) cycle
-         if (.not. allocated(outer)) then
-            outer = boundary_sides(body)
-            call new_columns(rest, outer, body%mesh%coordinates)
-            call new_columns(displaced, outer, body%mesh%coordinates + displacement)
+         if (.not. allocated(sides)) then
+            sides = boundary_sides(body)
+            displaced = body%mesh%coordinates + displacement
          end if
+         is_own = is_of_set(body, contacts(i)%set)
          do k = 1, size(sides, 2)
+            if (.not. is_own(k)) cycle
             associate (nodes => sides(:3, k), x => body%mesh%coordinates)
                side%set = i
                side%has_middle = nodes(3) > 0
@@ -708,26 +600,29 @@ contains
                      - extra_gap(p))*side%normal
                end do
                if (nodes(3) == 0) side%moved(:, 3) = 0.5_dp*(side%moved(:, 1) + side%moved(:, 2))
-               call look_at_side(deepest, contacts(i), side, corners, rest, limits*max(largest, least), least)
+               call look_at_side(deepest, contacts(i), side, corners, sides, x, limits*max(largest, least), least)
             end associate
          end do
          do l = 1, size(corners, 2)
-            if (rest%contain(corners(:, l)) .or. .not. displaced%contain(corners(:, l))) cycle
-            apart = [(displaced%distance(k, corners(:, l)), k=1, size(outer, 2))]
+            if (contains_point(sides, body%mesh%coordinates, corners(:, l)) .or. &
+               .not. contains_point(sides, displaced, corners(:, l))) cycle
+            apart = [(distance_from(displaced(:, sides(1, k)), displaced(:, sides(2, k)), corners(:, l)), &
+               k=1, size(sides, 2))]
             k = minloc(apart, dim=1)
-            if (apart(k) > max(least, deepest%depth) .and. .not. any(sides(1, :) == outer(1, k) &
-               .and. sides(2, :) == outer(2, k))) deepest = overlap_t(apart(k), corners(:, l), i)
+            if (apart(k) > max(least, deepest%depth) .and. .not. is_own(k)) deepest = overlap_t(apart(k), &
+               corners(:, l), i)
          end do
       end do
    end function corner_overlap
 
    !> Looks for the corner of an obstacle that penetrates a displaced side deepest.
-   pure subroutine look_at_side(deepest, contact, side, corners, rest, limits, least)
+   pure subroutine look_at_side(deepest, contact, side, corners, sides, coordinates, limits, least)
       type(overlap_t), intent(inout) :: deepest !! the deepest overlap so far
       type(contact_t), intent(in) :: contact !! the contact set
       type(displaced_side_t), intent(in) :: side !! the side
       real(dp), intent(in) :: corners(:, :) !! the corners (2, any) [L]
-      type(columns_t), intent(in) :: rest !! the boundary of the body at rest
+      integer, intent(in) :: sides(:, :) !! the sides of the boundary (4, any)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: limits(2) !! up to which the depths that are errors of the mesh do not count [L]
       real(dp), intent(in) :: least !! the least depth that counts [L]
       ! The corner itself may lie on the boundary.
@@ -749,8 +644,9 @@ contains
                if (.not. depth - resolved_depth(contact, side, xi(j), limits) > least) cycle
                ! A point beyond the far side of the body does not penetrate it.
                place = matmul(side%rest, values)
-               if (.not. rest%contain(place - 0.5_dp*depth*normal)) cycle
-               if (rest%contain(place - nearly*depth*normal)) deepest = overlap_t(depth, place, side%set)
+               if (.not. contains_point(sides, coordinates, place - 0.5_dp*depth*normal)) cycle
+               if (contains_point(sides, coordinates, place - nearly*depth*normal)) deepest = overlap_t(depth, &
+                  place, side%set)
             end do
          end do
       end associate
