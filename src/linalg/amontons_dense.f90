@@ -4,15 +4,14 @@
 module amontons_dense
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
-   use amontons_lapack, only: dgemm, dgemv, dgetrf, dgetrs, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtrsm
+   use amontons_lapack, only: dgemm, dgetrf, dgetrs, dpotrf, dpotri, dpotrs, dsyev, dsymv, dsyrk, dtrsm
    use amontons_text, only: to_text
    implicit none (type, external)
    private
 
-   public :: add_product, allocate_matrix, cholesky_factor, cholesky_factor_regularized, &
-      cholesky_factor_tiled, cholesky_inverse, cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, &
-      small_inverse, squares, symmetric_eigenvectors, symmetric_multiply, transposed_product, triangular_solve, &
-      vector_product
+   public :: allocate_matrix, cholesky_factor, cholesky_factor_regularized, cholesky_factor_tiled, cholesky_inverse, &
+      cholesky_solve, fill_upper, lu_factor, lu_solve, lu_solve_transposed, moment, small_inverse, squares, &
+      symmetric_eigenvectors, symmetric_multiply, transposed_product, triangular_solve, vector_product
 
    !> Solves L L^T x = b in place, for one right-hand side or for the columns of a matrix.
    interface cholesky_solve
@@ -32,6 +31,19 @@ contains
 
       product = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
    end function vector_product
+
+   !> The moment of a force about the origin; in the plane, counter-clockwise, the last of its components.
+   pure function moment(place, force)
+      real(dp), intent(in) :: place(:) !! where the force acts (2 or 3)
+      real(dp), intent(in) :: force(:) !! the force along these coordinates first
+      real(dp) :: moment(3), arm(3), push(3)
+
+      arm = 0.0_dp
+      push = 0.0_dp
+      arm(:size(place)) = place
+      push(:size(place)) = force(:size(place))
+      moment = vector_product(arm, push)
+   end function moment
 
    !> The inverse of a matrix of one or two rows, not singular.
    pure function small_inverse(matrix) result(inverse)
@@ -236,15 +248,6 @@ contains
       call dgetrs('T', size(factor, 1), size(b, 2), factor, max(1, size(factor, 1)), pivots, b, max(1, size(b, 1)), &
          info)
    end subroutine lu_solve_transposed
-
-   !> Adds a product: y := y + A x.
-   pure subroutine add_product(a, x, y)
-      real(dp), contiguous, intent(in) :: a(:, :) !! the matrix (m, n)
-      real(dp), contiguous, intent(in) :: x(:) !! the vector (n)
-      real(dp), contiguous, intent(inout) :: y(:) !! the sum (m)
-
-      call dgemv('N', size(a, 1), size(a, 2), 1.0_dp, a, max(1, size(a, 1)), x, 1, 1.0_dp, y, 1)
-   end subroutine add_product
 
    !> The product C = A^T B.
    pure subroutine transposed_product(a, b, c)

@@ -20,8 +20,7 @@
 !>
 !> In the forces, on a compliance A, dense or sparse: a normal force of a closed point and a tangential one of a
 !> sticking point are unknown. A row of `A lambda = B` each, of no distance and of no slip, holds them; the others
-!> follow from the law. On a dense compliance an active set that differs from the factorized one in few rows is solved
-!> by that factorization and a small system of these rows.
+!> follow from the law. An active set that stays keeps its factorization, unless its regularization shrinks much.
 !>
 !> In space all of this is done in turned axes, the first tangent of a sliding point along its slip: that is the plane's
 !> system, with the spring across the slip on the diagonal of the second one, or its reciprocal in the forces.
@@ -30,8 +29,8 @@ module amontons_newton
    use amontons_band_matrix, only: band_lu_t, new_band_matrix
    use amontons_contact_problem, only: active_set_t, contact_problem_t
    use amontons_contact_solution, only: contact_method_t, contact_solution_t, effort_t
-   use amontons_dense, only: add_product, allocate_matrix, cholesky_factor, cholesky_solve, lu_factor, lu_solve, &
-      lu_solve_transposed, transposed_product
+   use amontons_dense, only: allocate_matrix, cholesky_factor, cholesky_solve, lu_factor, lu_solve, &
+      lu_solve_transposed
    use amontons_error, only: error_t, new_error, system_failure
    use amontons_kinds, only: dp, int64
    use amontons_sparse_lu, only: sparse_lu_t
@@ -81,11 +80,6 @@ module amontons_newton
       integer, allocatable, private :: unknown(:) !! the forces that are unknown in it
       real(dp), allocatable, private :: diagonal(:) !! diagonal of A, where it is zero the largest of all (n) [L/F]
       real(dp), allocatable, private :: softness(:) !! regularization on the diagonal of the factorized matrix (n) [L/F]
-      integer, private :: n_changed = 0 !! number of rows that have changed since
-      integer, allocatable, private :: changed(:) !! these rows
-      real(dp), allocatable, private :: response(:, :)
-         !! solutions of the factorized system for a unit in each of these rows
-      real(dp), allocatable, private :: row(:, :) !! these rows of A
       logical, private :: is_symmetric = .false.
          !! of a dense one, whether no point slides with friction, so that the matrix is symmetric
       real(dp), allocatable, private :: entries(:)
@@ -493,19 +487,19 @@ contains
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       real(dp), allocatable :: right(:, :)
       real(dp), dimension(size(force)) :: load, solution, known
-      logical :: is_unknown(size(force)), is_updated
+      logical :: is_unknown(size(force)), is_kept
+      ! Largest ratio of the factorized regularization to the required one; a smaller one does not suffice, a much
+      ! larger one is slow.
+      real(dp), parameter :: spread = 10.0_dp
       integer :: i, m
 
       m = problem%n_points
-      if (.not. allocated(self%diagonal)) then
-         self%diagonal = 1.0_dp/problem%matrix%augmentation
-         allocate (self%changed(2*m), self%response(2*m, 0), self%row(2*m, 0), self%softness(size(force)))
-      end if
+      if (.not. allocated(self%diagonal)) self%diagonal = 1.0_dp/problem%matrix%augmentation
       info = 0
-      call add_changed_rows(self, problem, active_set, regularization, is_updated)
-      if (allocated(self%error)) return
-      if (.not. is_updated) then
-         self%n_changed = 0
+      is_kept = self%regularization >= regularization .and. self%regularization <= spread*regularization &
+         .and. .not. allocated(active_set%axes)
+      if (is_kept) is_kept = active_set%equals(self%base)
+      if (.not. is_kept) then
          self%base = active_set
          self%regularization = regularization
          self%softness = regularization*self%diagonal
@@ -543,8 +537,6 @@ contains
          solution(unknown) = right(:, 1)
       end associate
       solution(m + 1:2*m) = solution(m + 1:2*m) + self%base%slip_direction*problem%friction*solution(:m)
-      if (info == 0 .and. self%n_changed > 0) call correct_forces(self, problem, active_set, load, force, solution, &
-         info)
       if (.not. all(ieee_is_finite(solution))) info = 1
       if (info == 0) force = solution
       call active_set%turn(force, -1)
@@ -553,119 +545,6 @@ contains
       displacement = problem%displacement(load, force)
       call self%effort%multiply(1.0_dp)
    end subroutine step_on_compliance
-
-   !> Adds the rows in which the active set differs from the factorized one, each with the solution of the factorized
-   !> system for a unit right-hand side in this row. A new factorization is asked for instead where it is cheaper:
-   !> always for a sparse compliance, and in space, where all slips turn a little.
-   subroutine add_changed_rows(self, problem, active_set, regularization, is_updated)
-      class(newton_system_t), intent(inout) :: self !! the system; gains an error where memory ran out
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: active_set !! state of each point
-      real(dp), intent(in) :: regularization !! regularization, as part of the diagonal of A that is wanted [-]
-      logical, intent(out) :: is_updated !! whether the factorization serves the active set
-      ! Changed rows, as a part of the order, that an update may have: more cost as much as a new factorization, and
-      ! below an order a new one costs no more than the bookkeeping.
-      integer, parameter :: part = 6, least_order = 200
-      ! Largest ratio of the factorized regularization to the required one; a smaller one does not suffice, a much
-      ! larger one is slow.
-      real(dp), parameter :: spread_dense = 100.0_dp, spread_sparse = 10.0_dp
-      integer, allocatable :: differing(:), new(:)
-      real(dp), allocatable :: columns(:, :), rows(:, :), right(:, :)
-      integer :: place(problem%matrix%n), i, info, k, m, n, r
-      logical :: is_sparse
-
-      m = problem%n_points
-      is_sparse = problem%matrix%compliance%is_sparse()
-      is_updated = self%regularization >= regularization .and. &
-         self%regularization <= merge(spread_sparse, spread_dense, is_sparse)*regularization .and. &
-         .not. allocated(active_set%axes)
-      if (.not. is_updated) return
-      differing = pack([(i, i=1, 2*m)], [self%base%is_closed .neqv. active_set%is_closed, &
-         self%base%slip_direction /= active_set%slip_direction])
-      n = self%n_changed
-      new = pack(differing, [(.not. any(self%changed(:n) == differing(i)), i=1, size(differing))])
-      if (size(new) == 0) return
-      is_updated = .not. is_sparse .and. size(self%unknown) >= least_order .and. &
-         part*(n + size(new)) <= size(self%unknown)
-      if (.not. is_updated) return
-      if (n + size(new) > size(self%response, 2)) then
-         call allocate_matrix(columns, 2*m, 2*(n + size(new)), 'changed contact forces', self%error)
-         if (.not. allocated(self%error)) call allocate_matrix(rows, 2*m, 2*(n + size(new)), &
-            'changed contact forces', self%error)
-         is_updated = .not. allocated(self%error)
-         if (.not. is_updated) return
-         columns(:, :n) = self%response(:, :n)
-         call move_alloc(columns, self%response)
-         rows(:, :n) = self%row(:, :n)
-         call move_alloc(rows, self%row)
-      end if
-      self%n_changed = n + size(new)
-      self%changed(n + 1:self%n_changed) = new
-      place = 0
-      place(self%unknown) = [(i, i=1, size(self%unknown))]
-      allocate (right(size(self%unknown), size(new)), source=0.0_dp)
-      do i = 1, size(new)
-         k = n + i
-         r = new(i)
-         self%row(:, k) = problem%matrix%compliance%values(:, r)
-         self%response(:, k) = 0.0_dp
-         if (place(r) > 0) then
-            right(place(r), i) = 1.0_dp
-            cycle
-         end if
-         self%response(r, k) = 1.0_dp
-         right(:, i) = -self%row(self%unknown, k)
-         if (r <= m) right(:, i) = right(:, i) - self%base%slip_direction(r)*problem%friction(r) &
-            *problem%matrix%compliance%values(self%unknown, m + r)
-      end do
-      call solve_unknown(self, right, info)
-      do k = n + 1, self%n_changed
-         self%response(self%unknown, k) = right(:, k - n)
-         self%response(m + 1:, k) = self%response(m + 1:, k) &
-            + self%base%slip_direction*problem%friction*self%response(:m, k)
-      end do
-   end subroutine add_changed_rows
-
-   !> Corrects the forces of the factorized active set so that the equations of the changed rows hold as well: a linear
-   !> system of the size of their number.
-   subroutine correct_forces(self, problem, active_set, load, center, solution, info)
-      class(newton_system_t), intent(in) :: self !! the system
-      type(contact_problem_t), intent(in) :: problem !! the problem
-      type(active_set_t), intent(in) :: active_set !! state of each point
-      real(dp), intent(in) :: load(:) !! dual load B (2m) [L]
-      real(dp), intent(in) :: center(:) !! lambda before the step (2m) [F]
-      real(dp), intent(inout) :: solution(:) !! lambda of the factorized active set, corrected on return (2m) [F]
-      integer, intent(out) :: info !! 0, or nonzero where the system is singular
-      real(dp) :: matrix(self%n_changed, self%n_changed), right(self%n_changed), product(self%n_changed)
-      real(dp) :: slope(problem%n_points)
-      logical :: is_unknown(size(load))
-      integer :: k, m, r
-
-      m = problem%n_points
-      slope = active_set%slip_direction*problem%friction
-      is_unknown = active_set%gives_force()
-      associate (n => self%n_changed)
-         call transposed_product(self%row(:, :n), self%response(:, :n), matrix)
-         product = matmul(solution, self%row(:, :n))
-         do k = 1, n
-            r = self%changed(k)
-            if (is_unknown(r)) then
-               matrix(k, :) = matrix(k, :) + self%regularization*self%diagonal(r)*self%response(r, :n)
-               right(k) = load(r) - product(k) + self%regularization*self%diagonal(r)*(center(r) - solution(r))
-            else if (r <= m) then
-               matrix(k, :) = self%response(r, :n)
-               right(k) = -solution(r)
-            else
-               matrix(k, :) = self%response(r, :n) - slope(r - m)*self%response(r - m, :n)
-               right(k) = active_set%slip_direction(r - m)*problem%slip_bound(r - m) - solution(r) &
-                  + slope(r - m)*solution(r - m)
-            end if
-         end do
-         call lu_solve(matrix, right, info)
-         if (info /= 0) return
-         call add_product(self%response(:, :n), right, solution)
-      end associate
-   end subroutine correct_forces
 
    !> Finds the pair of the stiffest springs.
    subroutine spring_start_solve(self, problem, solution, error)
@@ -833,7 +712,7 @@ contains
    !> Solves the factorized system for the unknown forces.
    subroutine solve_unknown(self, right, info)
       class(newton_system_t), target, intent(in) :: self !! the system
-      real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand sides, one of a sparse compliance, then solutions
+      real(dp), contiguous, intent(inout) :: right(:, :) !! right-hand side, then the solution (any, 1)
       integer, intent(out) :: info !! 0, or nonzero where the system is singular
       real(dp), pointer, contiguous :: factor(:, :)
 
@@ -842,7 +721,7 @@ contains
          if (size(right) > 0) call self%sparse_factors%solve_transposed(right(:, 1), info)
          return
       end if
-      factor(1:size(right, 1), 1:size(right, 1)) => self%entries
+      factor(1:size(right), 1:size(right)) => self%entries
       if (self%is_symmetric) then
          call cholesky_solve(factor, right)
       else
