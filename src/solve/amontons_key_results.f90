@@ -14,7 +14,7 @@ module amontons_key_results
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
-   use amontons_dense, only: vector_product
+   use amontons_dense, only: moment
    use amontons_element, only: n_corners, n_element_nodes
    use amontons_friction_law, only: open_point, slip_minus, slip_plus, slip_point, stick_point, tangential_norm
    use amontons_kinds, only: dp
@@ -466,8 +466,8 @@ contains
       character(13) :: suffix
       real(dp), dimension(1 + body%zone%n_tangents) :: force_sum, acting
       real(dp), dimension(size(body%zone%position, 1)) :: at, center
-      ! Moments about the axes in space, in the plane about the origin or, of a twisted body, the axis.
-      real(dp) :: moment(merge(3, 1, size(center) == 3)), turning(3), normal, length, scale
+      ! Moments about the axes in space, in the plane the last about the origin or, of a twisted body, the axis.
+      real(dp) :: total(3), turning(3), normal, length, scale
       integer :: i, k, p, n_sets
 
       n_sets = maxval(body%zone%set)
@@ -479,7 +479,7 @@ contains
          if (n_sets > 1) write (number, '(i0)') i
          if (n_sets > 1) suffix = '_'//number
          force_sum = 0.0_dp
-         moment = 0.0_dp
+         total = 0.0_dp
          normal = 0.0_dp
          center = 0.0_dp
          associate (zone => body%zone)
@@ -487,14 +487,10 @@ contains
                if (zone%set(p) /= i) cycle
                acting = -matmul(zone%frame(:, :, p), force(p::zone%n_points))
                at = zone%acting(:, p)
-               if (size(at) == 3) then
-                  turning = vector_product(at, acting)
-               else
-                  turning(1) = at(1)*acting(2) - at(2)*acting(1)
-                  if (body%materials%is_twisted()) turning(1) = at(1)*acting(3)
-               end if
+               turning = moment(at, acting)
+               if (body%materials%is_twisted()) turning(3) = at(1)*acting(3)
                force_sum = force_sum + acting
-               moment = moment + turning(:size(moment))
+               total = total + turning
                normal = normal + force(p)
                center = center + force(p)*at
             end do
@@ -519,16 +515,16 @@ contains
             list = [list, quantity_t('contact_force_'//axes(k)//suffix, 'Force '//axes(k)//' '//number, force_sum(k), &
                scale, dimension='F')]
          end do
-         if (size(moment) == 3) then
+         if (size(center) == 3) then
             do k = 1, 3
                list = [list, quantity_t('contact_moment_'//axes(k)//suffix, 'Moment '//axes(k)//' '//number, &
-                  moment(k), length*scale, dimension='F L')]
+                  total(k), length*scale, dimension='F L')]
             end do
          else
             ! In a body of revolution forces have no moment but that about the axis.
             associate (is_twisted => body%materials%is_twisted())
                if (.not. body%is_axisymmetric .or. is_twisted) list = [list, quantity_t('contact_'//merge('torque', &
-                  'moment', is_twisted)//suffix, merge('Torque ', 'Moment ', is_twisted)//number, moment(1), &
+                  'moment', is_twisted)//suffix, merge('Torque ', 'Moment ', is_twisted)//number, total(3), &
                   length*scale, dimension='F L')]
             end associate
          end if

@@ -6,9 +6,8 @@ module amontons_certificate
    use amontons_body, only: body_t, find_motions
    use amontons_constraints, only: constraints_t
    use amontons_contact_rows, only: contact_rows_t
-   use amontons_dense, only: vector_product
+   use amontons_dense, only: moment
    use amontons_equilibrium, only: travel_of_nodes
-   use amontons_frame, only: turned
    use amontons_free_boundary, only: corner_overlap, overlap_t
    use amontons_friction_law, only: point_violations, point_violations_t, tangential_norm
    use amontons_kinds, only: dp
@@ -475,37 +474,22 @@ contains
       real(dp), intent(in) :: force(:) !! (lambda_N; lambda_T) of the points (2n) [F]
       real(dp), intent(in) :: on_nodes(:, :)
          !! these forces on the nodes, made from the rows of the solution (components, n_nodes) [F]
-      type(contact_rows_t) :: lever
-      real(dp) :: jump(size(force)), magnitude(size(set)), place(size(x, 1), size(set)), &
-         middle(size(place, 1)), total(size(place, 1))
+      real(dp) :: magnitude(size(set)), place(size(x, 1), size(set)), middle(size(place, 1))
+      real(dp) :: total(3), couple(3)
       integer :: i, k, n
 
       n = size(set)
       magnitude = hypot(force(:n), tangential_norm(force(n + 1:), n))
       place = reshape([(x(:, rows%node(rows%start(i))), i=1, n)], shape(place))
-      if (size(place, 1) == 3) then
-         total = moment_of(x, on_nodes)
-         do i = minval(set), maxval(set)
-            associate (of_set => moment_of(x, rows%forces(merge(force, 0.0_dp, [(set == i, k=1, 3)]), size(x, 2))))
-               certificate%couple(i) = certificate%couple(i) + norm2(of_set)
-               total = total - of_set
-            end associate
-         end do
-         violation = norm2(total)
-         jump = 0.0_dp
-      else
-         lever = rows
-         do i = 1, size(rows%node)
-            lever%block(:, 1, i) = -turned(rows%block(:, 2, i))
-            lever%block(:, 2, i) = turned(rows%block(:, 1, i))
-         end do
-         jump = lever%displacement(x)
-         jump(:n) = jump(:n)*force(n + 1:) - jump(n + 1:)*force(:n)
-         violation = abs(sum(x(1, :)*on_nodes(2, :) - x(2, :)*on_nodes(1, :)) + sum(jump(:n)))
-      end if
+      total = moment_of(x, on_nodes)
+      do i = minval(set), maxval(set)
+         couple = moment_of(x, rows%forces(merge(force, 0.0_dp, [(set == i, k=1, size(force)/n)]), size(x, 2)))
+         certificate%couple(i) = certificate%couple(i) + norm2(couple)
+         total = total - couple
+      end do
+      violation = norm2(total)
       violation = relative(violation, sum(abs(on_nodes))*0.5_dp*maxval(maxval(x, dim=2) - minval(x, dim=2)))
       do i = minval(set), maxval(set)
-         certificate%couple(i) = certificate%couple(i) + sum(jump(:n), mask=set == i)
          middle = matmul(place, merge(magnitude, 0.0_dp, set == i))/max(tiny(1.0_dp), sum(magnitude, mask=set == i))
          ! A single point that is closed transmits a moment, too.
          certificate%couple_scale(i) = certificate%couple_scale(i) + sum(magnitude*max(reach, norm2(place &
@@ -513,16 +497,16 @@ contains
       end do
    end subroutine check_moment
 
-   !> The moment of nodal forces in space about the origin [F L].
-   pure function moment_of(coordinates, forces) result(moment)
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (3, n_nodes) [L]
-      real(dp), intent(in) :: forces(:, :) !! their forces (3, n_nodes) [F]
-      real(dp) :: moment(3)
+   !> The moment of nodal forces about the origin [F L].
+   pure function moment_of(coordinates, forces) result(total)
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (n_dim, n_nodes) [L]
+      real(dp), intent(in) :: forces(:, :) !! their forces (components, n_nodes) [F]
+      real(dp) :: total(3)
       integer :: node
 
-      moment = 0.0_dp
+      total = 0.0_dp
       do node = 1, size(forces, 2)
-         moment = moment + vector_product(coordinates(:, node), forces(:, node))
+         total = total + moment(coordinates(:, node), forces(:, node))
       end do
    end function moment_of
 
@@ -538,9 +522,7 @@ contains
       real(dp), intent(in) :: reaction(:, :) !! nodal reactions (components, n_nodes) [F]
       real(dp), intent(in) :: springs(:, :) !! nodal forces of the springs (components, n_nodes) [F]
       real(dp) :: norm, radius
-      real(dp), dimension(size(body%mesh%coordinates, 1)) :: center, resultant, forces, arm
-      real(dp), allocatable :: moment(:)
-      integer :: node
+      real(dp), dimension(size(body%mesh%coordinates, 1)) :: center, resultant
 
       certificate%load(:size(resultant)) = sums%load(:size(resultant))
       certificate%reaction(:size(resultant)) = sums%reaction(:size(resultant))
@@ -554,17 +536,8 @@ contains
       if (body%is_axisymmetric) return
       center = 0.5_dp*(minval(body%mesh%coordinates, dim=2) + maxval(body%mesh%coordinates, dim=2))
       radius = maxval(maxval(body%mesh%coordinates, dim=2) - center)
-      allocate (moment(merge(3, 1, size(arm) == 3)), source=0.0_dp)
-      do node = 1, body%mesh%n_nodes
-         forces = loads(:, node) + (reaction(:, node) - springs(:, node)) + contact(:, node)
-         arm = body%mesh%coordinates(:, node) - center
-         if (size(arm) == 3) then
-            moment = moment + vector_product(arm, forces)
-         else
-            moment = moment + arm(1)*forces(2) - arm(2)*forces(1)
-         end if
-      end do
-      certificate%moment = relative(norm2(moment), norm*radius)
+      certificate%moment = relative(norm2(moment_of(body%mesh%coordinates - spread(center, 2, body%mesh%n_nodes), &
+         loads + (reaction - springs) + contact)), norm*radius)
    end subroutine check_resultants
 
    !=certificate `equilibrium` | norm of the unbalanced nodal forces along free directions | largest of the norms of
