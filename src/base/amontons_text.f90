@@ -12,9 +12,9 @@ module amontons_text
 
    public :: append_text, as_lines, columns, comma_separated, counted, ends_word, flush_right, heading, labeled, &
       line_end, longest_decimal, lower_case, n_characters, nearest_word, newline, occurrences, place_text, &
-      put_decimals, put_integer, put_text, quoted, read_integer, read_real, read_reals, replaced, scan_integer, &
-      scan_real, scientific, short_text, to_short_text, to_text, unit_of, utf_8_width, vector_text, with_unit, &
-      xml_escaped
+      put_decimals, put_integer, put_text, quoted, read_integer, read_real, read_reals, replaced, rounded, &
+      scan_integer, scan_real, scientific, short_text, to_short_text, to_text, unit_of, utf_8_width, vector_text, &
+      with_unit, xml_escaped
 
    !> Largest number of digits of an exponent; longer ones are refused, since no real of any kind has them.
    integer, parameter :: longest_exponent = 4
@@ -283,8 +283,16 @@ contains
       integer, intent(in) :: n_digits !! number of digits, at most 17
       character(:), allocatable :: text
 
-      text = real_to_text(real(c_rounded_decimal(real(value, c_double), int(n_digits, c_int)), dp))
+      text = real_to_text(rounded(value, n_digits))
    end function to_short_text
+
+   !> A real rounded to a few significant digits.
+   pure real(dp) function rounded(value, n_digits)
+      real(dp), intent(in) :: value !! the number
+      integer, intent(in) :: n_digits !! number of digits, 1 to 16
+
+      rounded = real(c_rounded_decimal(real(value, c_double), int(n_digits, c_int)), dp)
+   end function rounded
 
    !> Reals with commas between them, as the tables hold them.
    pure function comma_separated(values) result(text)

@@ -17,7 +17,7 @@ module amontons_model_warnings
    use amontons_rounding, only: exceeds, input_rounding
    use amontons_surface, only: surface_t
    use amontons_sweep, only: sweep_t, swept_friction, swept_friction_factor
-   use amontons_text, only: counted, vector_text, short_text, to_text
+   use amontons_text, only: counted, scientific, short_text, to_text, vector_text
    implicit none (type, external)
    private
 
@@ -36,12 +36,8 @@ contains
       character(:), allocatable :: text
       ! A larger share could be rounded to more than 100 percent.
       real(dp), parameter :: most = 1.0e300_dp
-      character(12) :: buffer
-      real(dp) :: rounded
 
-      write (buffer, '(es10.2e3)') min(100.0_dp*share, most)
-      read (buffer, '(es10.2e3)') rounded
-      text = to_text(rounded)//' %'
+      text = scientific(min(100.0_dp*share, most))//' %'
    end function percent
 
    !> Adds the warnings on a body and its contact sets.

@@ -21,7 +21,7 @@ module amontons_time_stepping
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_solved
    use amontons_rounding, only: computed_rounding, first_largest
    use amontons_surface_stress, only: surface_stress_t
-   use amontons_text, only: to_text
+   use amontons_text, only: rounded, to_text
    implicit none (type, external)
    private
 
@@ -539,7 +539,7 @@ contains
 
       has_balance = state%solution%is_converged
       ! Without a tolerance the indicator is not rounded, which takes a tenth of the time of a small step.
-      if (has_balance .and. history%step_tolerance < huge(1.0_dp)) has_balance = rounded(state%indicator) &
+      if (has_balance .and. history%step_tolerance < huge(1.0_dp)) has_balance = rounded(state%indicator, 3) &
          <= history%step_tolerance
    end function has_balance
 
@@ -610,14 +610,5 @@ contains
          can_halve = planned*(real(self%length/2, dp)/n_ticks) >= history%min_step
       end associate
    end function time_stepping_can_halve
-
-   !> A number rounded to three digits.
-   pure real(dp) function rounded(value)
-      real(dp), intent(in) :: value !! the number, at least 0
-      character(12) :: buffer
-
-      write (buffer, '(es12.2e4)') min(value, huge(1.0_dp)/10.0_dp)
-      read (buffer, '(es12.2e4)') rounded
-   end function rounded
 
 end module amontons_time_stepping
