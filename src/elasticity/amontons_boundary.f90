@@ -18,7 +18,7 @@ module amontons_boundary
    implicit none (type, external)
    private
 
-   public :: corner_share, new_patch, patch_t
+   public :: corner_share, n_face_corners, new_patch, patch_t
 
    !> The share a of the shape function of a middle node that either corner beside it takes, of their choice [-].
    real(dp), parameter :: corner_share = 0.2_dp

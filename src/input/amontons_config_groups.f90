@@ -3,7 +3,8 @@
 module amontons_config_groups
    use amontons_case_label, only: case_label_t
    use amontons_constraints, only: along_normal, along_tangent, longest_name, support_t, supported_components
-   use amontons_contact_set, only: contact_t, gap_names, line_field_t, multiplier_names, sliding_names, tie_t
+   use amontons_contact_set, only: contact_t, gap_names, line_field_t, multiplier_names, sliding_names, tie_t, &
+      usual_most_nodal
    use amontons_deck_visitor, only: deck_visitor_t, group_t, is_filled, key_t
    use amontons_element, only: element_names, is_solid
    use amontons_error, only: error_t
@@ -638,7 +639,7 @@ contains
       type(contact_t), intent(inout) :: contact !! the contact set
       logical :: is_pair, has_kind, has_point, has_normal, has_radius, has_axis, has_line, has_file
       character(len(multiplier_names)) :: multipliers
-      logical :: has_gap, has_wear
+      logical :: has_gap, has_wear, has_multipliers
 
       call visitor%open_group(contact_group)
       call visitor%text(key_t('name', 'name of its forces, by which `&steps` know it besides its `set`', &
@@ -702,12 +703,15 @@ contains
          ' the moved places', default="`'small'`", is_shared=.true.), contact%sliding, sliding_names)
       call describe_field(visitor, gap_keys, contact%extra_gap)
       ! Describes the keys of the multipliers.
-      multipliers = multiplier_names(merge(2, merge(3, 1, is_pair), contact%partition%is_constant))
+      has_multipliers = is_pair .or. contact%partition%is_constant .or. contact%partition%most_nodal /= usual_most_nodal
+      multipliers = multiplier_names(merge(2, merge(3, 1, is_pair .or. contact%partition%most_nodal < 0), &
+         contact%partition%is_constant))
       call visitor%word(key_t('multipliers', 'contact forces at the nodes, stresses that are constant on cells of'// &
-         ' the contact line, or with `against` mortar multipliers at the corners of the slave', &
-         default='nodal, but mortar with `against`', is_shared=.true.), multipliers, multiplier_names)
-      call visitor%require(is_pair .or. multipliers /= multiplier_names(3), 'multipliers', &
-         "multipliers = 'mortar' needs against")
+         ' the contact line, or mortar multipliers at the corners of the slave, in space of any set', &
+         default='nodal; mortar with `against`, or on large quadratic sets', &
+         is_shared=.true.), multipliers, multiplier_names, has_multipliers)
+      if (.not. is_pair .and. has_multipliers) contact%partition%most_nodal = merge(-1, huge(0), &
+         multipliers == multiplier_names(3))
       call visitor%require(.not. is_pair .or. multipliers /= multiplier_names(1), 'multipliers', &
          "multipliers must be 'mortar' or 'constant' with against")
       contact%partition%is_constant = multipliers == multiplier_names(2)
@@ -752,6 +756,8 @@ contains
       call judge_sliding(visitor, contact)
       call visitor%only('cells cell_ends', contact%partition%is_constant, "multipliers = 'constant'")
       if (contact%partition%is_constant) call visitor%state_dimensions(2, 'multipliers', " = 'constant'")
+      if (contact%partition%most_nodal < 0) call visitor%state_dimensions(3, 'multipliers', &
+         " = 'mortar' without against")
       call visitor%only('wear', visitor%deck%count_groups('history') > 0, 'a deck with &history')
       call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
          'give either cells or cell_ends')
@@ -763,9 +769,10 @@ contains
       type(contact_t), intent(in) :: contact !! the contact set
 
       if (.not. contact%slides_far()) return
-      call visitor%require(.not. (contact%partition%is_constant .or. visitor%has('gap_direction') .or. &
-         contact%pairing%gap == gap_names(2)), 'sliding', "sliding = 'finite' does not go with constant "// &
-         "multipliers, gap_direction or gap = 'touching'")
+      call visitor%require(.not. (contact%partition%is_constant .or. contact%partition%most_nodal < 0 .or. &
+         visitor%has('gap_direction') .or. contact%pairing%gap == gap_names(2)), 'sliding', &
+         "sliding = 'finite' does not go with constant multipliers, gap_direction or gap = 'touching', nor with "// &
+         "'mortar' without against")
       call visitor%require(visitor%deck%count_groups('sweep') == 0, 'sliding', &
          "sliding = 'finite' does not go with &sweep: a history takes the way in steps")
    end subroutine judge_sliding

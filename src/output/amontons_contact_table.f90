@@ -306,14 +306,14 @@ contains
    end subroutine contact_columns
 
    !> A quantity of the contact points at nodes: the mean over the points that a node contributes to, weighted by their
-   !> shares in it; 0 at other nodes (nodes).
+   !> shares in it; halfway between corners that are points the mean of both, and 0 at other nodes (nodes).
    pure function at_nodes(body, values, nodes) result(means)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: values(:) !! the quantity (m)
       integer, intent(in) :: nodes(:) !! the nodes
       real(dp), allocatable :: means(:)
       real(dp) :: share, total(body%mesh%n_nodes)
-      integer :: p, k
+      integer :: p, i, k
 
       allocate (means(body%mesh%n_nodes), source=0.0_dp)
       total = 0.0_dp
@@ -329,6 +329,18 @@ contains
             end do
          end do
       end associate
+      do p = 1, merge(0, size(body%zone%pairs), allocated(body%zone%line))
+         associate (slave => body%zone%pairs(p)%slave)
+            do i = 1, slave%n_sides
+               associate (n => slave%n_corners(i), nodes => slave%side(:, i))
+                  do k = n + 1, slave%n_nodes(i)
+                     if (.not. total(nodes(k)) > 0.0_dp) means(nodes(k)) = &
+                        0.5_dp*sum(means(nodes([k - n, 1 + modulo(k - n, n)])))
+                  end do
+               end associate
+            end do
+         end associate
+      end do
       means = means(nodes)
    end function at_nodes
 

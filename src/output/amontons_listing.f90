@@ -168,7 +168,12 @@ contains
                short_text(minval(lengths))//' to '//with_unit(short_text(maxval(lengths)), units, 'L'))// &
                labeled('Inf-sup constant', short_text(body%inf_sup(i)))
          end if
-         if (body%zone%pairs(i)%is_set()) text = text//labeled('Sides', roles_text(body%zone%pairs(i), units))
+         if (body%zone%pairs(i)%is_set()) then
+            text = text//labeled('Sides', roles_text(body%zone%pairs(i), units))
+         else if (body%zone%pairs(i)%is_alone) then
+            text = text//labeled('Multipliers', 'mortar, at '//counted(count(body%zone%set == i), 'corner')//' of '// &
+               counted(size(body%zone%pairs(i)%segments), 'face'))
+         end if
       end do
       do i = 1, size(body%ties)
          text = text//labeled('Tie', body%ties(i)%label//' (slave/master)')// &

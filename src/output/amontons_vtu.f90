@@ -7,7 +7,7 @@
 module amontons_vtu
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use amontons_body, only: body_t
-   use amontons_boundary, only: new_patch, patch_t
+   use amontons_boundary, only: n_face_corners, new_patch, patch_t
    use amontons_contact_rows, only: contact_rows_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_table, only: at_nodes, column_t, contact_columns, master_line_t, new_master_line, side_rows
@@ -523,6 +523,7 @@ contains
       type(patch_t) :: patch
       type(error_t), allocatable :: error
       integer :: place(body%mesh%n_nodes), set, i, k, p, role
+      logical :: are_corners
 
       allocate (cells(0), offsets(0), types(0), line%node(0), line%set(0), line%segment(2, 0), line%normal(3, 0))
       associate (rows => body%zone%rows)
@@ -538,9 +539,10 @@ contains
                ! not raised: the contact zone has been made of these sets
                if (role == 1) call new_patch(patch, body%mesh, contacts(set)%set, error)
                if (role == 2) call new_patch(patch, body%mesh, contacts(set)%pairing%against, error)
+               are_corners = role == 1 .and. allocated(body%zone%pairs(set)%segments)
                do i = 1, patch%n_nodes
                   associate (node => patch%node(i))
-                     if (place(node) > 0) cycle
+                     if (place(node) > 0 .or. (are_corners .and. patch%ends(1, i) > 0)) cycle
                      line%n_nodes = line%n_nodes + 1
                      place(node) = body%zone%n_points + line%n_nodes
                      line%node = [line%node, node]
@@ -549,10 +551,11 @@ contains
                   end associate
                end do
                do i = 1, size(patch%faces)
-                  associate (face => patch%faces(i))
-                     cells = [cells, place(face%node(:face%n_nodes))]
+                  associate (face => patch%faces(i), n => merge(n_face_corners(patch%faces(i)), &
+                     patch%faces(i)%n_nodes, are_corners))
+                     cells = [cells, place(face%node(:n))]
                      offsets = [offsets, size(cells)]
-                     types = [types, vtk_face_type(face%n_nodes)]
+                     types = [types, vtk_face_type(n)]
                   end associate
                end do
             end do

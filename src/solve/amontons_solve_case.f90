@@ -493,11 +493,15 @@ contains
                patch%line%next > 0)
             traction(:, patch%node) = traction(:, patch%node(place))/spread(max(area(place), tiny(1.0_dp)), 1, 2)
          else
-            ! The forces of faces are those of points, whose nodes come first.
+            ! The forces of faces are those of points, whose nodes come first; they are linear between corners.
             traction(:, patch%node) = 0.0_dp
             do k = 1, body%zone%n_points
                if (is_meant(k)) traction(:, body%zone%rows%node(body%zone%rows%start(k))) = &
                   -matmul(body%zone%frame(:, :, k), force(k::body%zone%n_points))/body%zone%area(k)
+            end do
+            do k = 1, merge(patch%n_nodes, 0, allocated(body%zone%pairs(i)%segments))
+               if (patch%ends(1, k) > 0) traction(:, patch%node(k)) = &
+                  0.5_dp*sum(traction(:, patch%node(patch%ends(:, k))), dim=2)
             end do
          end if
          call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, &

@@ -308,6 +308,7 @@ contains
          to_text(floor(estimate%available_mb))//' MB are available'
       size_text = counted(cache%body%mesh%n_nodes, 'node')//', '//counted(cache%body%mesh%n_elements, 'element')// &
          ', '//counted(cache%body%dof_map%n_dofs, 'unknown')//', '//counted(cache%body%zone%n_points, 'contact point')
+      if (any(cache%body%zone%pairs%is_alone)) size_text = size_text//' at corners alone'
       if (config%accuracy%n_refinements > 0) size_text = size_text//', on the finest of '// &
          to_text(config%accuracy%n_refinements + 1)//' meshes'
       outcome%text = config%name//': deck OK; '//size_text//cases//'; '//text

@@ -10,7 +10,7 @@ module amontons_contact_set
    private
 
    public :: cell_partition_t, contact_t, gap_names, line_field_t, multiplier_names, new_contact, new_tie, pairing_t, &
-      sliding_names, tie_t
+      sliding_names, tie_t, usual_most_nodal
 
    !> Sources of the gaps of a pair, as a deck names them: the meshes, or 0 wherever the bodies face each other.
    character(8), parameter :: gap_names(*) = [character(8) :: 'mesh', 'touching']
@@ -60,10 +60,17 @@ module amontons_contact_set
    !> Kinds of multipliers, as a deck writes them: at the nodes, constant on cells, or at the corners of a pair's slave.
    character(8), parameter :: multiplier_names(*) = [character(8) :: 'nodal', 'constant', 'mortar']
 
+   !> Above so many contact unknowns their dense matrices take most of time and memory, and corners, a quarter of the
+   !> nodes of quadratic faces, resolve the pressure.
+   integer, parameter :: usual_most_nodal = 6000
+
    !> The multipliers of a contact set. Constant ones have equal cells, cells with given ends or, without either, a
-   !> cell for every two sides.
+   !> cell for every two sides. In space those of a large set on a rigid obstacle belong to the corners of its faces.
    type :: cell_partition_t
       logical :: is_constant = .false. !! whether the multipliers are constant on cells; nodal otherwise
+      integer :: most_nodal = usual_most_nodal
+         !! largest number of unknowns of nodal multipliers of quadratic faces in space; -1 if no face has them, huge if
+         !! all have
       integer :: n_cells = 0 !! number of equal cells on each piece of the line; 0 for none asked for
       real(dp), allocatable :: ends(:)
          !! boundaries between cells, ascending lengths along the line; not allocated if not given [L]

@@ -8,12 +8,13 @@
 !>
 !> Multipliers belong to the corners of the slave, of quadratic faces too. On each face their functions are dual to the
 !> linear functions of the corners that are points, over what the master covers, and their sum is 1: they are
-!> combinations of these functions, to which a corner that is no point gives its own.
+!> combinations of these functions, to which a corner that is no point gives its own. So it is on a rigid obstacle,
+!> which covers each face as a whole.
 module amontons_face_pair
    use amontons_boundary, only: patch_t
    use amontons_dense, only: lu_factor, lu_solve_transposed, vector_product
    use amontons_element, only: max_face_nodes, max_nodes, shape_functions
-   use amontons_face, only: face_kind
+   use amontons_face, only: face_kind, face_t
    use amontons_frame, only: new_frame
    use amontons_kinds, only: dp
    use amontons_obstacle, only: cross_product, steepest_cosine, unit_vector
@@ -63,11 +64,11 @@ contains
 
    !> Makes the surface of a boundary set in space. A corner has the mean normal of its faces; on planes of symmetry it
    !> has no component across them.
-   pure subroutine new_face_surface(surface, body, patch, facing)
+   pure subroutine new_face_surface(surface, body, patch, facing_nodes)
       type(surface_t), intent(out) :: surface !! the surface
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(patch_t), intent(in) :: patch !! the patch of the set
-      type(patch_t), intent(in) :: facing !! that of the other body's set
+      integer, intent(in) :: facing_nodes(:) !! the nodes of the other body's set, none with a rigid obstacle
       real(dp) :: normal(3, body%mesh%n_nodes), mean(3)
       integer :: axis, i, k, n
 
@@ -84,7 +85,7 @@ contains
                   associate (across => abs(dot_product(held, normal(:, node))))
                      if (across <= input_rounding .or. across > most_aslant) cycle
                   end associate
-                  if (.not. is_on_mirror(body, node, held, facing%node)) cycle
+                  if (.not. is_on_mirror(body, node, held, facing_nodes)) cycle
                   normal(:, node) = unit_vector(normal(:, node) - dot_product(held, normal(:, node))*held)
                end associate
             end do
@@ -378,6 +379,27 @@ contains
       samples%start(i) = samples%n + 1
    end subroutine sample_face
 
+   !> Takes the quadrature points of a face that a rigid obstacle covers.
+   pure subroutine sample_whole(samples, face, n_corners)
+      type(samples_t), intent(out) :: samples !! the points
+      type(face_t), intent(in) :: face !! the face
+      integer, intent(in) :: n_corners !! number of its corners
+
+      samples%n = size(face%area)
+      samples%start = [1, samples%n + 1]
+      samples%position = face%position
+      samples%foot = face%position
+      samples%area = face%area
+      allocate (samples%slave(max_face_nodes, samples%n), samples%hats(max_corners, samples%n), &
+         samples%master(max_face_nodes, samples%n), source=0.0_dp)
+      samples%slave(:face%n_nodes, :) = face%values
+      samples%hats(:n_corners, :) = face%values(:n_corners, :)
+      if (face%n_nodes == n_corners) return
+      associate (middles => face%values(n_corners + 1:, :))
+         samples%hats(:n_corners, :) = samples%hats(:n_corners, :) + 0.5_dp*(middles + cshift(middles, -1, dim=1))
+      end associate
+   end subroutine sample_whole
+
    !> The last of the segments of the same face of the slave as a given one.
    pure integer function last_of_side(segments, first) result(last)
       type(mortar_segment_t), intent(in) :: segments(:) !! the segments, side by side
@@ -413,13 +435,14 @@ contains
 
    !> Integrates D, M and gaps over the points of a pair, see `amontons_mortar_pair`. Gaps have the multipliers'
    !> functions for weights, as displacements have, so that curved surfaces meet where they are.
-   pure subroutine integrate_faces(points, slave, master, segments, point_of, is_again)
+   pure subroutine integrate_faces(points, slave, master, segments, point_of, faces, is_again)
       type(mortar_points_t), intent(inout) :: points !! the points; gain the integrals, not yet over their areas
       type(surface_t), intent(in) :: slave !! the slave
       type(surface_t), intent(in) :: master !! the master
       type(mortar_segment_t), intent(in) :: segments(:) !! the faces that face each other, side by side
       integer, intent(in) :: point_of(:, :)
          !! the point that each corner of each face is, 0 for none (max_corners, faces)
+      type(face_t), intent(in) :: faces(:) !! the faces of the slave
       logical, intent(in) :: is_again !! whether the master's faces are cut by the slave's
       integer, parameter :: n_nodes = 2*max_face_nodes
       type(samples_t) :: samples
@@ -443,7 +466,11 @@ contains
          last = last_of_side(segments, first)
          side = segments(first)%slave
          if (any(point_of(:, side) > 0)) then
-            call sample_face(samples, rules, slave, master, segments(first:last), is_again)
+            if (segments(first)%master > 0) then
+               call sample_face(samples, rules, slave, master, segments(first:last), is_again)
+            else
+               call sample_whole(samples, faces(side), slave%n_corners(side))
+            end if
             call multiply_functions(psi, samples, point_of(:, side), slave%n_corners(side))
             do i = first, last
                do k = 1, max_corners
@@ -451,8 +478,9 @@ contains
                   if (p == 0) cycle
                   associate (begin => points%rows%start(p) + n_nodes*filled(p), from => samples%start(i - first + 1), &
                      to => samples%start(i - first + 2) - 1)
-                     points%rows%node(begin:begin + n_nodes - 1) = [slave%side(:max_face_nodes, side), &
-                        master%side(:max_face_nodes, segments(i)%master)]
+                     points%rows%node(begin:begin + max_face_nodes - 1) = slave%side(:max_face_nodes, side)
+                     if (segments(i)%master > 0) points%rows%node(begin + max_face_nodes:begin + n_nodes - 1) = &
+                        master%side(:max_face_nodes, segments(i)%master)
                      shares = [matmul(samples%slave(:, from:to), psi(k, from:to)), &
                         -matmul(samples%master(:, from:to), psi(k, from:to))]
                      do axis = 1, 3

@@ -38,7 +38,8 @@ module amontons_mortar_pair
    private
 
    public :: cell_pieces, check_ends, find_facing_parts, guided_alone, held_slave_text, integrate_pair, &
-      least_cover, mortar_pair_t, mortar_piece_t, mortar_points_t, new_mortar_pair, new_pair_surfaces, take_facing_sides
+      least_cover, mortar_pair_t, mortar_piece_t, mortar_points_t, new_mortar_pair, new_pair_surfaces, &
+      new_slave_alone, take_facing_sides
 
    !> Share of a side or cell that the master covers, from one end on, for a multiplier of the other end. Where it is
    !> less the multiplier would hold the master's slope, prolonged by far, and its pressure grow without bound. It is
@@ -116,6 +117,7 @@ module amontons_mortar_pair
       real(dp) :: jump(3) = 0.0_dp !! direction of the jump, the mean normal of the slave; 0 without one [-]
       integer :: lead = 0 !! the node whose own unknown along this direction is the jump; 0 without one
       logical :: is_jump_free = .false. !! whether it is an unknown, and not prescribed
+      logical :: is_alone = .false. !! whether the surface is that of a set on a rigid obstacle, without a master
    contains
       procedure :: is_set => mortar_pair_is_set
    end type mortar_pair_t
@@ -277,7 +279,7 @@ contains
          call integrate_sides(points, hat_area, shear_area, has_partner, pair, segments, &
             n_quadrature_points(merge(2, 1, is_again)))
       else
-         call integrate_faces(points, pair%slave, pair%master, segments, pair%point_of, is_again)
+         call integrate_faces(points, pair%slave, pair%master, segments, pair%point_of, pair%patch%faces, is_again)
          points%quadrature%normal = pair%frame(:, 1, :)
          hat_area = points%area
          shear_area = points%area
@@ -436,11 +438,11 @@ contains
       place_on = xi(minloc(abs(xi), dim=1))
    end function place_on
 
-   !> Whether the pair is used: that of a contact set with a rigid obstacle is not.
+   !> Whether it is a pair of two surfaces: that of a contact set with a rigid obstacle is not.
    elemental logical function mortar_pair_is_set(self) result(is_set)
       class(mortar_pair_t), intent(in) :: self !! the pair
 
-      is_set = allocated(self%segments)
+      is_set = allocated(self%segments) .and. .not. self%is_alone
    end function mortar_pair_is_set
 
    !> Finds where two boundary sets face each other.
@@ -466,6 +468,24 @@ contains
       if (allocated(error)) return
       call number_points(pair, body%constraints, taken, is_master, pairing%is_tied)
    end subroutine new_mortar_pair
+
+   !> Makes the slave of a rigid obstacle in space: its points are the corners of its faces, all of which face the
+   !> obstacle.
+   pure subroutine new_slave_alone(pair, patch, body, taken)
+      type(mortar_pair_t), intent(out) :: pair !! the pair, without a master
+      type(patch_t), intent(in) :: patch !! the patch of the set, with the normals towards the obstacle
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(taken_t), intent(in) :: taken !! what earlier sets have
+      integer :: i
+
+      pair%is_alone = .true.
+      pair%patch = patch
+      call new_face_surface(pair%slave, body, patch, patch%node(:0))
+      pair%segments = [(mortar_segment_t(slave=i), i=1, pair%slave%n_sides)]
+      ! The obstacle covers each function as a whole.
+      allocate (pair%part(size(pair%slave%normal, 2) - 1, pair%slave%n_sides), source=1.0_dp)
+      call number_points(pair, body%constraints, taken, spread(.false., 1, body%mesh%n_nodes), .false.)
+   end subroutine new_slave_alone
 
    !> Makes the surfaces of two boundary sets.
    subroutine new_pair_surfaces(pair, is_master, set, pairing, body, is_apart, error)
@@ -513,8 +533,8 @@ contains
          call new_surface(pair%slave, body, pair%patch, facing)
          call new_surface(pair%master, body, facing, pair%patch)
       else
-         call new_face_surface(pair%slave, body, pair%patch, facing)
-         call new_face_surface(pair%master, body, facing, pair%patch)
+         call new_face_surface(pair%slave, body, pair%patch, facing%node)
+         call new_face_surface(pair%master, body, facing, pair%patch%node)
       end if
       if (pair%slave%corner_node > 0) then
          call new_error(error, input_refused, "the set '"//set//"' has a corner of more than 40 degrees at "// &

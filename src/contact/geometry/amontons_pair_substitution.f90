@@ -69,7 +69,7 @@ contains
          call add_pair(sums, ties(i), .true., constraints, fault)
       end do
       do i = 1, size(pairs)
-         if (.not. pairs(i)%is_set() .or. allocated(pairs(i)%cells)) cycle
+         if (.not. allocated(pairs(i)%segments) .or. allocated(pairs(i)%cells)) cycle
          call add_pair(sums, pairs(i), .false., constraints, fault)
       end do
       means%node = rows%node(rows%start(:size(frame, 3)))
@@ -152,7 +152,7 @@ contains
             do i = n + 1, pair%slave%n_nodes(side)
                beside = 1 + modulo([i - n - 1, i - n], n)
                associate (middle => pair%slave%side(i, side), corner => pair%slave%side(beside, side))
-                  if (all(pair%point_of(beside, side) == 0)) cycle
+                  if (all(pair%point_of(beside, side) == 0) .or. constraints%rigid_of(middle) > 0) cycle
                   ends(:, middle) = corner
                   half = 0.5_dp*constraints%free_projector(middle)
                   if (any([(pair%point_of(beside(k), side) > 0 .and. holds_more(constraints, middle, corner(k)), &
@@ -167,7 +167,7 @@ contains
       end do
       if (fault > 0) return
       call integrate_pair(points, pair, pair%segments, is_again=.false.)
-      if (size(pair%slave%corner, 1) == 3) ends(:, pair%node) = -1
+      if (size(pair%slave%corner, 1) == 3) ends(:, pack(pair%node, constraints%rigid_of(pair%node) == 0)) = -1
       do i = 1, size(pair%node)
          if (constraints%rigid_of(pair%node(i)) > 0) cycle
          call solve_row(sums(pair%node(i)), points%rows, i, pair, ends, is_tied, constraints)
@@ -182,8 +182,8 @@ contains
       integer, intent(in) :: p !! number of the point
       type(mortar_pair_t), intent(in) :: pair !! the pair
       integer, intent(in) :: ends(:, :)
-         !! the corners beside each middle node beside points, 0 for others, -1 for points in space, of which a row
-         !! contains its own alone, and what supports prescribe of others (2, n_nodes)
+         !! the corners beside each middle node beside points, 0 for others and nodes of rigid sets, -1 for points in
+         !! space, of which a row contains its own alone, and what supports prescribe of others (2, n_nodes)
       logical, intent(in) :: is_tied !! whether w = 0
       type(constraints_t), intent(in) :: constraints !! the supports
       type(sum_t) :: row

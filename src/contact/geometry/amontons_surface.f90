@@ -95,7 +95,7 @@ module amontons_surface
    !> A part of a side of the slave.
    type :: mortar_segment_t
       integer :: slave = 0 !! number of the side of the slave
-      integer :: master = 0 !! number of the side of the master that it faces
+      integer :: master = 0 !! number of the side of the master that it faces; 0 for a rigid obstacle
       real(dp) :: range(2) = 0.0_dp
          !! local coordinates of its ends on the slave's side, from -1 to 1; of no meaning in space [-]
    end type mortar_segment_t

@@ -672,7 +672,7 @@ contains
       is_at_rest(body%retained%rows%node(body%retained%rows%start(body%retained%mean_point))) = .true.
       pairs = [body%ties, body%retained%pairs]
       do i = 1, size(pairs)
-         if (pairs(i)%is_set() .and. .not. allocated(pairs(i)%cells)) is_at_rest(pairs(i)%node) = .true.
+         if (allocated(pairs(i)%segments) .and. .not. allocated(pairs(i)%cells)) is_at_rest(pairs(i)%node) = .true.
       end do
       allocate (motions(body%dof_map%n_schur - body%dof_map%n_lockable, size(body%common_motions, 2)), source=0.0_dp)
       do k = 1, size(motions, 2)

@@ -20,7 +20,7 @@ module amontons_contact_zone
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
    use amontons_mortar_pair, only: check_ends, guided_alone, integrate_pair, mortar_pair_t, mortar_points_t, &
-      new_mortar_pair, take_facing_sides
+      new_mortar_pair, new_slave_alone, take_facing_sides
    use amontons_moved_pair, only: new_moved_pair
    use amontons_obstacle, only: unit_vector
    use amontons_pair_overlap, only: check_overlap
@@ -148,6 +148,9 @@ contains
       if (allocated(error)) return
       if (contact%partition%is_constant) then
          call add_cells(zone, set, contact, patch, body, error)
+      else if (3*merge(patch%n_nodes, 0, any(patch%ends > 0)) > contact%partition%most_nodal .and. &
+         .not. contact%slides_far()) then
+         call add_corners(zone, set, contact%direction, patch, body, taken)
       else
          call add_nodes(zone, set, contact%direction(:size(patch%normal, 1)), patch, body, taken)
       end if
@@ -412,8 +415,7 @@ contains
       arc_length = 0.0_dp
       if (allocated(patch%line)) arc_length = patch%line%arc_length
       area = bearing_areas(patch)
-      normal = patch%normal
-      if (any(abs(direction) > 0.0_dp)) normal = spread(unit_vector(direction), 2, patch%n_nodes)
+      normal = law_normals(patch, direction)
       do k = 1, patch%n_nodes
          associate (node => patch%node(k))
             is_own = .not. taken%node(node) .and. body%constraints%rigid_of(node) == 0
@@ -461,22 +463,50 @@ contains
       points%frame = body%constraints%contact_frames(patch%node(kept(:n)), normal(:, kept(:n)))
       points%is_fixed = body%constraints%fixed_tangents(patch%node(kept(:n)), points%frame)
       points%position = body%mesh%coordinates(:, patch%node(kept(:n)))
-      associate (node => patch%node(place))
-         points%rows%node = node
-         points%rows%block = points%frame(:, :, own)
-         do i = 1, size(own)
-            points%rows%block(:, :, i) = points%rows%block(:, :, i)*share(i)
-         end do
-         points%quadrature = contact_quadrature_t(start=points%rows%start, position=body%mesh%coordinates(:, node), &
-            normal=normal(:, place), outward=sum(normal(:, place)*patch%normal(:, place), dim=1), &
-            arc_length=arc_length(place), gap=spread(0.0_dp, 1, size(place)), share=share)
-         points%acting = reshape([(matmul(points%quadrature%position(:, points%rows%start(i):points%rows%start(i + 1) &
-            - 1), share(points%rows%start(i):points%rows%start(i + 1) - 1)), i=1, n)], [size(direction), n])
-      end associate
+      points%rows%node = patch%node(place)
+      points%rows%block = points%frame(:, :, own)
+      do i = 1, size(own)
+         points%rows%block(:, :, i) = points%rows%block(:, :, i)*share(i)
+      end do
+      call set_nodal_quadrature(points, patch, normal, place, share, body%mesh%coordinates)
       points%area = abs(points%area) + patch%bare_area(kept(:n))
       zone%node = [zone%node, pack(patch%node(kept(:n)), points%is_own)]
       call add_points(zone, set, .false., points)
    end subroutine add_nodes
+
+   !> The normals of the nodes of a patch along which gaps count: its own, or a given direction (n_dim, n_nodes) [-].
+   pure function law_normals(patch, direction) result(normal)
+      type(patch_t), intent(in) :: patch !! the patch
+      real(dp), intent(in) :: direction(:) !! the direction; 0 for the body's normals (n_dim) [-]
+      real(dp), allocatable :: normal(:, :)
+
+      normal = patch%normal
+      if (any(abs(direction) > 0.0_dp)) normal = spread(unit_vector(direction), 2, patch%n_nodes)
+   end function law_normals
+
+   !> Sets the nodes of each point as the places where its gap is measured, and the mean of these as that where its
+   !> force acts.
+   pure subroutine set_nodal_quadrature(points, patch, normal, place, share, coordinates)
+      type(contact_zone_t), intent(inout) :: points !! the points, their rows made; gain quadrature and places
+      type(patch_t), intent(in) :: patch !! the patch
+      real(dp), intent(in) :: normal(:, :) !! unit normals of its nodes, towards the obstacle (n_dim, n_nodes) [-]
+      integer, intent(in) :: place(:) !! the node of each part, by its place in the patch (parts)
+      real(dp), intent(in) :: share(:) !! its share in the displacement of the point (parts) [-]
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes of the mesh (n_dim, any) [L]
+      integer :: p
+
+      points%quadrature = contact_quadrature_t(start=points%rows%start, &
+         position=coordinates(:, points%rows%node), normal=normal(:, place), &
+         outward=sum(normal(:, place)*patch%normal(:, place), dim=1), arc_length=spread(0.0_dp, 1, size(place)), &
+         gap=spread(0.0_dp, 1, size(place)), share=share)
+      if (allocated(patch%line)) points%quadrature%arc_length = patch%line%arc_length(place)
+      points%acting = points%position
+      do p = 1, size(points%acting, 2)
+         associate (first => points%rows%start(p), last => points%rows%start(p + 1) - 1)
+            points%acting(:, p) = matmul(points%quadrature%position(:, first:last), share(first:last))
+         end associate
+      end do
+   end subroutine set_nodal_quadrature
 
    !> The areas of the nodes of a patch; that of a corner on the axis is its negative share in the middle node beside
    !> it.
@@ -542,12 +572,54 @@ contains
       real(dp), parameter :: least_cosine = 0.7_dp
 
       do point = 1, zone%n_points
-         if (zone%is_cell(point) .or. zone%pairs(zone%set(point))%is_set() .or. &
+         if (zone%is_cell(point) .or. allocated(zone%pairs(zone%set(point))%segments) .or. &
             zone%rows%node(zone%rows%start(point)) /= node) cycle
          if (dot_product(zone%normal(point), normal) > least_cosine) return
       end do
       point = 0
    end function point_before
+
+   !> Adds the corners of the faces of a patch in space as points, with multipliers as those of the slave of a pair. The
+   !> gap of a point is made of those of its nodes as its displacement is of theirs.
+   pure subroutine add_corners(zone, set, direction, patch, body, taken)
+      type(contact_zone_t), intent(inout) :: zone !! the zone
+      integer, intent(in) :: set !! number of the contact set
+      real(dp), intent(in) :: direction(3) !! along which its gaps count; 0 for the body's normal [-]
+      type(patch_t), intent(in) :: patch !! its patch
+      type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
+      type(taken_t), intent(in) :: taken !! what earlier sets have
+      type(contact_zone_t) :: points
+      type(mortar_points_t) :: integrals
+      type(patch_t) :: towards
+      integer :: place(body%mesh%n_nodes), i, p
+      real(dp), allocatable :: share(:)
+
+      towards = patch
+      towards%normal = law_normals(patch, direction)
+      place(patch%node) = [(i, i=1, patch%n_nodes)]
+      associate (pair => zone%pairs(set), rows => integrals%rows)
+         call new_slave_alone(pair, towards, body, taken)
+         zone%held_node = [zone%held_node, pair%held_node]
+         zone%held_set = [zone%held_set, spread(set, 1, size(pair%held_node))]
+         zone%held_normal = reshape([zone%held_normal, towards%normal(:, place(pair%held_node))], &
+            [3, size(zone%held_node)])
+         zone%held_arc_length = [zone%held_arc_length, spread(0.0_dp, 1, size(pair%held_node))]
+         call integrate_pair(integrals, pair, pair%segments, is_again=.false.)
+         zone%shared_node = [zone%shared_node, pair%shared_node]
+         points%frame = pair%frame
+         points%is_fixed = pair%is_fixed
+         points%is_own = body%constraints%rigid_of(pair%node) == 0
+         zone%node = [zone%node, pack(pair%node, points%is_own)]
+         points%position = body%mesh%coordinates(:, pair%node)
+         points%weight = integrals%area
+         points%area = integrals%area
+         points%rows = rows
+         share = [((dot_product(rows%block(:, 1, i), pair%frame(:, 1, p)), i=rows%start(p), rows%start(p + 1) - 1), &
+            p=1, size(pair%node))]
+         call set_nodal_quadrature(points, patch, towards%normal, place(rows%node), share, body%mesh%coordinates)
+      end associate
+      call add_points(zone, set, .false., points)
+   end subroutine add_corners
 
    !> Adds the cells of a patch as points. A cell whose nodes supports hold along its normal is no point.
    pure subroutine add_cells(zone, set, contact, patch, body, error)
