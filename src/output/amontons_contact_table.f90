@@ -306,12 +306,12 @@ contains
    end subroutine contact_columns
 
    !> A quantity of the contact points at nodes: the mean over the points that a node contributes to, weighted by their
-   !> shares in it; halfway between corners that are points the mean of both, and 0 at other nodes (nodes).
+   !> shares in it, extended over the faces of corners that are points; 0 at other nodes (nodes).
    pure function at_nodes(body, values, nodes) result(means)
       type(body_t), intent(in) :: body !! the body
       real(dp), intent(in) :: values(:) !! the quantity (m)
       integer, intent(in) :: nodes(:) !! the nodes
-      real(dp), allocatable :: means(:)
+      real(dp), allocatable :: means(:), extended(:, :)
       real(dp) :: share, total(body%mesh%n_nodes)
       integer :: p, i, k
 
@@ -329,19 +329,11 @@ contains
             end do
          end do
       end associate
-      do p = 1, merge(0, size(body%zone%pairs), allocated(body%zone%line))
-         associate (slave => body%zone%pairs(p)%slave)
-            do i = 1, slave%n_sides
-               associate (n => slave%n_corners(i), nodes => slave%side(:, i))
-                  do k = n + 1, slave%n_nodes(i)
-                     if (.not. total(nodes(k)) > 0.0_dp) means(nodes(k)) = &
-                        0.5_dp*sum(means(nodes([k - n, 1 + modulo(k - n, n)])))
-                  end do
-               end associate
-            end do
-         end associate
+      extended = reshape(means, [1, size(means)])
+      do i = 1, merge(0, size(body%zone%pairs), allocated(body%zone%line))
+         call body%zone%pairs(i)%extend(extended)
       end do
-      means = means(nodes)
+      means = merge(means(nodes), extended(1, nodes), total(nodes) > 0.0_dp)
    end function at_nodes
 
    !> Names of the pairs of the contact points, SLAVE/MASTER, or SET with a rigid obstacle; empty if all obstacles are

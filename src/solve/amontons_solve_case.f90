@@ -499,10 +499,7 @@ contains
                if (is_meant(k)) traction(:, body%zone%rows%node(body%zone%rows%start(k))) = &
                   -matmul(body%zone%frame(:, :, k), force(k::body%zone%n_points))/body%zone%area(k)
             end do
-            do k = 1, merge(patch%n_nodes, 0, allocated(body%zone%pairs(i)%segments))
-               if (patch%ends(1, k) > 0) traction(:, patch%node(k)) = &
-                  0.5_dp*sum(traction(:, patch%node(patch%ends(:, k))), dim=2)
-            end do
+            call body%zone%pairs(i)%extend(traction)
          end if
          call tractions%add_nodal(body%mesh, body%constraints, load_case%contacts(i)%set, &
             traction(:size(body%mesh%coordinates, 1), :))

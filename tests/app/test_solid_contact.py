@@ -54,6 +54,49 @@ class SolidContact(ProgramTest):
                 areas = result.summary["areas"]
                 self.assertAlmostEqual(areas["slip_area"] + areas["stick_area"], 1.0, delta=1e-12)
 
+    def test_multipliers_at_corners_are_near_nodal_ones_and_the_same_on_linear_faces(self):
+        for element in ("tet4", *CUBES):
+            with self.subTest(element):
+                corners = self.solve_verified(solid(TOP, f"{FLOOR}  multipliers = 'mortar'", element=element), "corners")
+                nodal = self.solve(solid(TOP, FLOOR, element=element), "nodal")
+                if element in ("tet4", "hex8"):
+                    self.assert_close(corners["force_x"], nodal["force_x"], 1e-12)
+                    self.assert_close(corners["contact_pressure"], nodal["contact_pressure"], 1e-12)
+                    continue
+                self.assertEqual(len(corners["x"]), 25)
+                # Both are within some 1e-3 of the limit of fine meshes.
+                for name in ("contact_force_x", "contact_force_z"):
+                    ratio = corners.summary["key_results"][name]/nodal.summary["key_results"][name]
+                    self.assertAlmostEqual(ratio, 1.0, delta=4e-3)
+                estimates = [result.summary["accuracy"]["relative_error"] for result in (corners, nodal)]
+                self.assertLess(estimates[0], 1.1*estimates[1])
+
+    def test_multipliers_at_corners_transmit_a_uniform_pressure_of_any_faces(self):
+        def bent(r, s, t):
+            bubble = r*(1.0 - r)*s*(1.0 - s)
+            return r + bubble*math.sin(4.0*s), s - bubble*math.cos(3.0*r), t + 0.3*t*(1.0 - t)*math.sin(3.0*r + 2.0*s)
+
+        for element in ("tet4", *CUBES):
+            self.write("bent.msh", mapped_solid((3, 2, 2), element, bent))
+            for rest in ("contact set = 'left'  point = 0.0, 0.0, 0.0  normal = 1.0, 0.0, 0.0", "support set = 'left'  "
+                         "ux = 0.0"):
+                with self.subTest(element, rest=rest):
+                    result = self.solve_verified(block(
+                        rest, "support set = 'front'  uy = 0.0", "load set = 'top'  pressure = 1.0",
+                        "load set = 'right'  pressure = 1.0", "contact set = 'bottom'  multipliers = 'mortar'",
+                        mesh="file = 'bent.msh'", material="young = 1000.0  poisson = 0.3"))
+                    # Loads and multipliers have the same quadrature; rounding.
+                    self.assert_close(result["contact_pressure"], [1.0]*len(result["x"]), 1e-12)
+                    self.assertLess(result.summary["accuracy"]["relative_error"], 1e-11)
+
+    def test_large_quadratic_sets_have_multipliers_at_corners(self):
+        cases = (("hex20", 26, "", " 729 contact points at corners alone;"), ("hex20", 24, "", " 1825 contact points;"),
+                 ("hex20", 26, "multipliers = 'nodal'", " 2133 contact points;"),
+                 ("hex8", 46, "", " 2209 contact points;"))
+        for element, cells, key, text in cases:
+            deck = self.write("case.nml", solid(TOP, f"{FLOOR}  {key}", cells=f"{cells}, {cells}, 1", element=element))
+            self.assertIn(text, self.run_program("--check", deck).stdout)
+
     def test_refined_box_is_that_of_more_cells(self):
         for element in CUBES:
             # Reactions, moments and extremes of one mesh, whose nodes have other numbers.
@@ -172,10 +215,10 @@ class SolidContact(ProgramTest):
     def test_rigid_sets_obey_statics_also_where_they_share_the_rim_of_the_contact(self):
         grip = "rigid name = 'grip'  set = '{}'  force = 0.1, 0.0, -1.0  moment = 0.02, -0.3, 0.01"
         for side, place in (("left", (0.0, 0.5, 0.5)), ("top", (1.0, 0.5, 1.0))):
-            for element in CUBES:
-                with self.subTest(side, element=element):
+            for element, key in ((*((name, "") for name in CUBES), ("hex20", "multipliers = 'mortar'"))):
+                with self.subTest(side, element=element, key=key):
                     result = self.solve_verified(solid(
-                        grip.format(side), "load set = 'right'  traction = 0.0, 0.0, -1.0", ROUGH,
+                        grip.format(side), "load set = 'right'  traction = 0.0, 0.0, -1.0", f"{ROUGH}  {key}",
                         size="2.0, 1.0, 1.0", cells="4, 2, 2", element=element))
                     key = result.summary["key_results"]
                     # On the grip, and 1 on the right end at (2, 1/2, 1/2); to rounding of moments of 2.

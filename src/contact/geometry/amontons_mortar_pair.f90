@@ -119,6 +119,7 @@ module amontons_mortar_pair
       logical :: is_jump_free = .false. !! whether it is an unknown, and not prescribed
       logical :: is_alone = .false. !! whether the surface is that of a set on a rigid obstacle, without a master
    contains
+      procedure :: extend => mortar_pair_extend
       procedure :: is_set => mortar_pair_is_set
    end type mortar_pair_t
 
@@ -444,6 +445,27 @@ contains
 
       is_set = allocated(self%segments) .and. .not. self%is_alone
    end function mortar_pair_is_set
+
+   !> Extends values at corners in space that are points to other nodes of their faces: other corners have the mean of
+   !> these, as the functions of the multipliers do, and middle nodes that of the corners beside them.
+   pure subroutine mortar_pair_extend(self, values)
+      class(mortar_pair_t), intent(in) :: self !! the pair
+      real(dp), intent(inout) :: values(:, :) !! the values at the nodes (any, n_nodes)
+      integer :: i, k
+
+      do i = 1, merge(self%slave%n_sides, 0, allocated(self%segments))
+         associate (nodes => self%slave%side(:, i), n => self%slave%n_corners(i))
+            associate (own => pack(nodes(:n), self%point_of(:n, i) > 0))
+               do k = 1, merge(n, 0, size(own) > 0)
+                  if (self%point_of(k, i) == 0) values(:, nodes(k)) = sum(values(:, own), dim=2)/size(own)
+               end do
+            end associate
+            do k = n + 1, self%slave%n_nodes(i)
+               values(:, nodes(k)) = 0.5_dp*sum(values(:, nodes([k - n, 1 + modulo(k - n, n)])), dim=2)
+            end do
+         end associate
+      end do
+   end subroutine mortar_pair_extend
 
    !> Finds where two boundary sets face each other.
    subroutine new_mortar_pair(pair, set, pairing, body, taken, error)
