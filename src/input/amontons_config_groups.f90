@@ -638,8 +638,7 @@ contains
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(contact_t), intent(inout) :: contact !! the contact set
       logical :: is_pair, has_kind, has_point, has_normal, has_radius, has_axis, has_line, has_file
-      character(len(multiplier_names)) :: multipliers
-      logical :: has_gap, has_wear, has_multipliers
+      logical :: has_gap, has_wear
 
       call visitor%open_group(contact_group)
       call visitor%text(key_t('name', 'name of its forces, by which `&steps` know it besides its `set`', &
@@ -702,24 +701,7 @@ contains
       call visitor%word(key_t('sliding', 'whether normals, gaps and partners stay those at rest, or are those at'// &
          ' the moved places', default="`'small'`", is_shared=.true.), contact%sliding, sliding_names)
       call describe_field(visitor, gap_keys, contact%extra_gap)
-      ! Describes the keys of the multipliers.
-      has_multipliers = is_pair .or. contact%partition%is_constant .or. contact%partition%most_nodal /= usual_most_nodal
-      multipliers = multiplier_names(merge(2, merge(3, 1, is_pair .or. contact%partition%most_nodal < 0), &
-         contact%partition%is_constant))
-      call visitor%word(key_t('multipliers', 'contact forces at the nodes, stresses that are constant on cells of'// &
-         ' the contact line, or mortar multipliers at the corners of the slave, in space of any set', &
-         default='nodal; mortar with `against`, or on large quadratic sets', &
-         is_shared=.true.), multipliers, multiplier_names, has_multipliers)
-      if (.not. is_pair .and. has_multipliers) contact%partition%most_nodal = merge(-1, huge(0), &
-         multipliers == multiplier_names(3))
-      call visitor%require(.not. is_pair .or. multipliers /= multiplier_names(1), 'multipliers', &
-         "multipliers must be 'mortar' or 'constant' with against")
-      contact%partition%is_constant = multipliers == multiplier_names(2)
-      call visitor%whole(key_t('cells', "with `'constant'`: number of equal cells on each piece of the line", &
-         default='every two sides', at_least=1.0_dp, is_shared=.true.), contact%partition%n_cells)
-      call visitor%list(key_t('cell_ends', "with `'constant'`, instead of `cells`: lengths along the line (of one"// &
-         ' piece) where one cell ends and the next begins', 'L', above=0.0_dp, is_ascending=.true., &
-         is_shared=.true.), contact%partition%ends)
+      call describe_multipliers(visitor, contact)
       call visitor%close_group()
       call visitor%locate('set', contact%origin)
       ! Judges the keys of a `&contact` together.
@@ -754,14 +736,43 @@ contains
          call visitor%only('normal', obstacle%kind /= 'surface', 'an obstacle without a file of triangles')
       end associate
       call judge_sliding(visitor, contact)
-      call visitor%only('cells cell_ends', contact%partition%is_constant, "multipliers = 'constant'")
-      if (contact%partition%is_constant) call visitor%state_dimensions(2, 'multipliers', " = 'constant'")
-      if (contact%partition%most_nodal < 0) call visitor%state_dimensions(3, 'multipliers', &
-         " = 'mortar' without against")
       call visitor%only('wear', visitor%deck%count_groups('history') > 0, 'a deck with &history')
-      call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
-         'give either cells or cell_ends')
    end subroutine describe_contact
+
+   !> Describes the keys of a `&contact` on its multipliers.
+   subroutine describe_multipliers(visitor, contact)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(contact_t), intent(inout) :: contact !! the contact set
+      character(len(multiplier_names)) :: multipliers
+      logical :: is_pair, is_given
+
+      associate (partition => contact%partition)
+         is_pair = contact%pairing%is_pair()
+         ! In space multipliers that a deck does not state depend on the mesh.
+         is_given = is_pair .or. visitor%n_dim /= 3 .or. partition%most_nodal /= usual_most_nodal
+         multipliers = multiplier_names(merge(2, merge(3, 1, is_pair .or. partition%most_nodal < 0), &
+            partition%is_constant))
+         call visitor%word(key_t('multipliers', 'contact forces at the nodes, stresses that are constant on cells '// &
+            'of the contact line, or mortar multipliers at the corners of the slave, in space of any set', &
+            default='nodal; mortar with `against`, or on large quadratic sets', is_shared=.true.), multipliers, &
+            multiplier_names, is_given)
+         call visitor%require(.not. is_pair .or. multipliers /= multiplier_names(1), 'multipliers', &
+            "multipliers must be 'mortar' or 'constant' with against")
+         partition%is_constant = multipliers == multiplier_names(2)
+         if (visitor%has('multipliers') .and. .not. is_pair) partition%most_nodal = merge(-1, huge(0), &
+            multipliers == multiplier_names(3))
+         if (partition%is_constant) call visitor%state_dimensions(2, 'multipliers', " = 'constant'")
+         if (partition%most_nodal < 0) call visitor%state_dimensions(3, 'multipliers', " = 'mortar' without against")
+         call visitor%whole(key_t('cells', "with `'constant'`: number of equal cells on each piece of the line", &
+            default='every two sides', at_least=1.0_dp, is_shared=.true.), partition%n_cells)
+         call visitor%list(key_t('cell_ends', "with `'constant'`, instead of `cells`: lengths along the line (of "// &
+            'one piece) where one cell ends and the next begins', 'L', above=0.0_dp, is_ascending=.true., &
+            is_shared=.true.), partition%ends)
+         call visitor%only('cells cell_ends', partition%is_constant, "multipliers = 'constant'")
+         call visitor%require(.not. (visitor%has('cells') .and. visitor%has('cell_ends')), 'cell_ends', &
+            'give either cells or cell_ends')
+      end associate
+   end subroutine describe_multipliers
 
    !> Judges what does not go with contact that slides far.
    subroutine judge_sliding(visitor, contact)

@@ -1,11 +1,12 @@
 !> Warnings on a model before it is solved: a body, its contact sets and pairs, a sweep.
 module amontons_model_warnings
-   use amontons_body, only: body_t, poor_inf_sup
+   use amontons_body, only: body_t
    use amontons_contact_set, only: line_field_t
    use amontons_contact_zone, only: contact_zone_t
    use amontons_element, only: n_element_nodes
    use amontons_error, only: error_t, warning_list_t
    use amontons_history, only: history_t, stepped_friction
+   use amontons_inf_sup, only: poor_inf_sup
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
    use amontons_loads, only: load_by_temperature, load_on_nodes

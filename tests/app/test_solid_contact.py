@@ -57,7 +57,8 @@ class SolidContact(ProgramTest):
     def test_multipliers_at_corners_are_near_nodal_ones_and_the_same_on_linear_faces(self):
         for element in ("tet4", *CUBES):
             with self.subTest(element):
-                corners = self.solve_verified(solid(TOP, f"{FLOOR}  multipliers = 'mortar'", element=element), "corners")
+                corners = self.solve_verified(solid(TOP, f"{FLOOR}  multipliers = 'mortar'", element=element),
+                                              "corners")
                 nodal = self.solve(solid(TOP, FLOOR, element=element), "nodal")
                 if element in ("tet4", "hex8"):
                     self.assert_close(corners["force_x"], nodal["force_x"], 1e-12)

@@ -13,8 +13,9 @@ module amontons_contact_cells
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
    use amontons_mesh, only: mesh_t
-   use amontons_mortar_pair, only: cell_pieces, held_slave_text, least_cover, mortar_pair_t, mortar_piece_t
+   use amontons_mortar_pair, only: cell_pieces, least_cover, mortar_pair_t, mortar_piece_t
    use amontons_obstacle, only: unit_vector
+   use amontons_pair_checks, only: held_slave_text
    use amontons_rounding, only: computed_rounding
    use amontons_surface, only: meshed_body_t, mortar_segment_t
    use amontons_text, only: to_text

@@ -1,8 +1,6 @@
 !> A pair of boundary sets that face each other: their surfaces, their segments, and the corners of the slave that carry
 !> multipliers.
 !>
-!> Checks refuse contact points of a pair that do not go with its mesh or supports.
-!>
 !> The contact points of a pair: multipliers on the slave, integrals D and M, gaps.
 !>
 !> The relative displacement of point p is w_p = (sum D_pj u_j - sum M_pl u_l) / D_p, D_pj the integral of the
@@ -26,10 +24,9 @@ module amontons_mortar_pair
    use amontons_dense, only: small_inverse
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face_pair, only: covered_faces, find_face_segments, integrate_faces, last_of_side, new_face_surface
-   use amontons_frame, only: new_frame
    use amontons_kinds, only: dp
    use amontons_line, only: line_t
-   use amontons_rounding, only: angle_rounding, exceeds, input_rounding
+   use amontons_rounding, only: exceeds, input_rounding
    use amontons_surface, only: find_segments, gauss_rule, gauss_rule_t, meet_side, meshed_body_t, mortar_points_t, &
       mortar_segment_t, new_surface, surface_place_t, surface_t
    use amontons_taken, only: taken_t
@@ -37,9 +34,8 @@ module amontons_mortar_pair
    implicit none (type, external)
    private
 
-   public :: cell_pieces, check_ends, find_facing_parts, guided_alone, held_slave_text, integrate_pair, &
-      least_cover, mortar_pair_t, mortar_piece_t, mortar_points_t, new_mortar_pair, new_pair_surfaces, &
-      new_slave_alone, take_facing_sides
+   public :: cell_pieces, find_facing_parts, integrate_pair, least_cover, mortar_pair_t, mortar_piece_t, &
+      mortar_points_t, new_mortar_pair, new_pair_surfaces, new_slave_alone, take_facing_sides
 
    !> Share of a side or cell that the master covers, from one end on, for a multiplier of the other end. Where it is
    !> less the multiplier would hold the master's slope, prolonged by far, and its pressure grow without bound. It is
@@ -821,96 +817,5 @@ contains
          end associate
       end do
    end subroutine take_facing_sides
-
-   !> Refuses a side of the slave that has no multiplier at any corner and faces a part of the master that may move
-   !> along the normal or, where shear may act, along the tangent: no force would be transmitted there. A side of which
-   !> earlier sets have all corners is left to them, unless that leaves no point. In space no bonded corner may be
-   !> guided alone.
-   pure subroutine check_ends(pair, remedy, needs_shear, constraints, error)
-      type(mortar_pair_t), intent(in) :: pair !! the pair, its points corners
-      character(*), intent(in) :: remedy !! advice for the message if supports hold the slave
-      logical, intent(in) :: needs_shear !! whether shear may act: friction, or bonded surfaces
-      type(constraints_t), intent(in) :: constraints !! the supports
-      type(error_t), allocatable, intent(out) :: error !! there is such a side
-      ! Between the normal and the tangent of the surface.
-      real(dp), parameter :: aslant = 0.707_dp
-      real(dp) :: frame(size(constraints%is_free, 1), size(constraints%is_free, 1))
-      logical, dimension(size(pair%point_of, 1), 2) :: is_held, lacks
-      integer :: i, k, m, p
-      logical :: is_alone(size(pair%node))
-
-      m = size(pair%slave%corner, 1)
-      is_alone = guided_alone(pair, constraints)
-      do i = 1, size(pair%segments)
-         associate (side => pair%segments(i)%slave, slave => pair%slave, other => pair%segments(i)%master, &
-            c => pair%slave%n_corners(pair%segments(i)%slave), middle => size(pair%slave%normal, 2))
-            frame = new_frame(slave%normal(:, middle, side), size(frame, 1))
-            do k = 1, c
-               p = pair%point_of(k, side)
-               is_held(k, :) = any(pair%held_node == slave%side(k, side))
-               lacks(k, :) = p == 0
-               if (p == 0) cycle
-               is_held(k, 2) = pair%is_fixed(1, p)
-               lacks(k, 2) = pair%is_fixed(1, p)
-               frame = pair%frame(:, :, p)
-               if (.not. (needs_shear .and. m == 3)) cycle
-               if (.not. is_alone(p)) cycle
-               call new_error(error, input_refused, held_slave_text(pair, slave%corner(:, k, side), 'shear', remedy))
-               return
-            end do
-            do k = 1, merge(2, 1, needs_shear .and. m == 2)
-               if (.not. (all(lacks(:c, k)) .and. any(is_held(:c, k)))) cycle
-               if (.not. any([(constraints%leaves_free(pair%master%side(p, other), frame(:m, k)), &
-                  p=1, pair%master%n_corners(other))])) cycle
-               call new_error(error, input_refused, held_slave_text(pair, &
-                  slave%corner(:, size(slave%corner, 2), side), merge('force', 'shear', &
-                  abs(dot_product(frame(:m, k), slave%normal(:, middle, side))) > aslant), remedy))
-               return
-            end do
-         end associate
-      end do
-      if (size(pair%node) == 0) call new_error(error, input_refused, "no node of '"//pair%set//"' that faces '"// &
-         pair%against//"' is left: supports hold them, or they belong to ties, preloads or earlier sets; refine '"// &
-         pair%set//"', or "//remedy)
-   end subroutine check_ends
-
-   !> Which points in space supports guide, but no corner of the sides of the master that they face, in the same plane
-   !> of symmetry: there bodies end at the plane, and no shear acts (n).
-   pure function guided_alone(pair, constraints) result(is_alone)
-      type(mortar_pair_t), intent(in) :: pair !! the pair, its points corners
-      type(constraints_t), intent(in) :: constraints !! the supports
-      logical :: is_alone(size(pair%node))
-      integer :: i, j, k, t
-
-      is_alone = size(pair%slave%corner, 1) == 3 .and. any(pair%is_fixed, dim=1)
-      do i = 1, size(pair%segments)
-         associate (slave => pair%segments(i)%slave, master => pair%master, other => pair%segments(i)%master)
-            do k = 1, pair%slave%n_corners(slave)
-               associate (p => pair%point_of(k, slave), place => pair%slave%corner(:, k, slave))
-                  if (p == 0) cycle
-                  do j = 1, merge(master%n_corners(other), 0, is_alone(p))
-                     is_alone(p) = is_alone(p) .and. .not. all([(.not. pair%is_fixed(t, p) .or. &
-                        (abs(dot_product(master%corner(:, j, other) - place, pair%frame(:, 1 + t, p))) &
-                        <= angle_rounding*master%longest .and. &
-                        .not. constraints%leaves_free(master%side(j, other), pair%frame(:, 1 + t, p))), &
-                        t=1, size(pair%is_fixed, 1))])
-                  end do
-               end associate
-            end do
-         end associate
-      end do
-   end function guided_alone
-
-   !> The message that supports hold a part of a slave, so that contact forces do no work there.
-   pure function held_slave_text(pair, position, what, remedy) result(text)
-      type(mortar_pair_t), intent(in) :: pair !! the pair
-      real(dp), intent(in) :: position(:) !! position of the part (n_dim) [L]
-      character(*), intent(in) :: what !! noun for what cannot act: force or shear
-      character(*), intent(in) :: remedy !! advice for the message
-      character(:), allocatable :: text
-
-      text = "supports hold the slave '"//pair%set//"' at "//place_text(position)//': no '//what// &
-         " could act between it and '"//pair%against//"' there; "//remedy
-   end function held_slave_text
 
 end module amontons_mortar_pair

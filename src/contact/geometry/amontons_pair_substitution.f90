@@ -14,8 +14,9 @@ module amontons_pair_substitution
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_frame, only: new_frame
    use amontons_kinds, only: dp
-   use amontons_mortar_pair, only: check_ends, integrate_pair, mortar_pair_t, mortar_points_t, new_mortar_pair, &
+   use amontons_mortar_pair, only: integrate_pair, mortar_pair_t, mortar_points_t, new_mortar_pair, &
       take_facing_sides
+   use amontons_pair_checks, only: check_ends
    use amontons_rounding, only: input_rounding, sum_rounding
    use amontons_surface, only: meshed_body_t
    use amontons_taken, only: taken_t

@@ -11,12 +11,13 @@ module amontons_body
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_rows, only: contact_rows_t, share_parts
    use amontons_contact_set, only: contact_t, tie_t
-   use amontons_contact_zone, only: contact_zone_t, inf_sup_constant, let_guided_slaves_slip, new_contact_zone, &
-      recompute_pairs, segments_again
+   use amontons_contact_zone, only: contact_zone_t, let_guided_slaves_slip, new_contact_zone, recompute_pairs, &
+      segments_again
    use amontons_distributed, only: n_ranks, new_distributed_condenser
    use amontons_error, only: error_t, input_refused, new_error, no_equilibrium
    use amontons_frame, only: new_frame
    use amontons_free_boundary, only: free_boundary_t, new_free_boundary
+   use amontons_inf_sup, only: inf_sup_constant
    use amontons_kinds, only: dp, int64
    use amontons_loads, only: load_on_motion, load_t
    use amontons_material, only: material_t, new_materials
@@ -41,10 +42,7 @@ module amontons_body
    private
 
    public :: body_t, condense_body, estimate_body, estimate_t, find_motions, find_rigid_modes, &
-      lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie, poor_inf_sup
-
-   !> Smallest inf-sup constant of the constant multipliers of a contact set without a warning.
-   real(dp), parameter :: poor_inf_sup = 0.3_dp
+      lock_motions, named_forces_t, new_body, of_contact, of_support, of_tie
 
    !> A kind of force by name: of contact sets.
    integer, parameter :: of_contact = 1
