@@ -351,9 +351,9 @@ contains
       call count_work(self)
    end subroutine multifrontal_analyze
 
-   !> Counts the operations, and the entries that are held temporarily: contribution blocks that wait for their parents
-   !> while the two children of the root are processed at the same time. More threads need little more, since subtrees
-   !> shrink as their number grows.
+   !> Counts the operations, and the entries that are held temporarily: contribution blocks that wait for their parents,
+   !> on several threads while the two children of the root are processed at the same time. More than two need little
+   !> more, since subtrees shrink as their number grows.
    subroutine count_work(self)
       type(multifrontal_t), intent(inout) :: self !! the factorization, its fronts known
       integer(int64) :: most(0:self%fronts%n), left(0:self%fronts%n)
@@ -372,7 +372,7 @@ contains
          most(k) = max(most(child(1)), left(child(1)) + most(child(2)), left(k) + sum(left(child)))
          self%n_flops = self%n_flops + n_pivots**3/3.0_dp + n_pivots**2*n_structure + n_pivots*n_structure**2
       end do
-      self%n_work_entries = sum(most(child))
+      self%n_work_entries = merge(sum(most(child)), most(self%fronts%n), n_threads() > 1)
    end subroutine count_work
 
    !> Computes the blocks of the fronts.

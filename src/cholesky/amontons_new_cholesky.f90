@@ -40,7 +40,7 @@ module amontons_new_cholesky
 
 contains
 
-   !> Orders a matrix for a narrow band.
+   !> Takes a matrix in the order for a narrow band that `new_cholesky` found.
    subroutine band_analyze(self, matrix, n_schur, error)
       class(band_cholesky_t), intent(inout) :: self !! the factorization
       type(sparse_matrix_t), intent(in) :: matrix !! the matrix K
@@ -49,8 +49,7 @@ contains
       integer, allocatable :: order(:)
 
       self%name = 'band'
-      allocate (order(matrix%n))
-      call reverse_cuthill_mckee(matrix, n_schur, order)
+      order = self%order
       self%width = half_bandwidth(matrix, order)
       call self%set_order(matrix, n_schur, order, error)
       self%n_factor_entries = (self%width + 1_int64)*self%n
@@ -143,15 +142,16 @@ contains
       logical :: is_band
 
       is_band = kind == 'band'
-      if (kind == 'auto' .and. matrix%n <= most_band_unknowns) then
+      if (is_band .or. (kind == 'auto' .and. matrix%n <= most_band_unknowns)) then
          allocate (order(matrix%n))
          call reverse_cuthill_mckee(matrix, n_schur, order)
-         is_band = real(matrix%n, dp)*real(half_bandwidth(matrix, order), dp)**2 <= most_band_operations
+         is_band = is_band .or. real(matrix%n, dp)*real(half_bandwidth(matrix, order), dp)**2 <= most_band_operations
       end if
       if (kind == 'sparse') then
          call new_sparse_cholesky(cholesky, error)
       else if (is_band) then
          allocate (band_cholesky_t :: cholesky)
+         call move_alloc(order, cholesky%order)
       else
          allocate (multifrontal_t :: cholesky)
       end if

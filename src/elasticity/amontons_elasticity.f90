@@ -78,14 +78,12 @@ contains
       integer, intent(in), optional :: n_points !! number of quadrature points; default: those of its stiffness
       ! Not of the size they need: room that is found at run time comes from the heap, once for each element.
       real(dp) :: x(2, max_nodes), in_space(3, max_nodes)
-      integer :: i, first, point
+      integer :: i, first, n, point
 
       associate (kind => mesh%element_kind(element))
-         if (present(n_points)) then
-            call choose_reference(geometry, kind, n_points)
-         else
-            call choose_reference(geometry, kind, n_stiffness_points(mesh, element, material))
-         end if
+         n = n_stiffness_points(mesh, element, material)
+         if (present(n_points)) n = n_points
+         if (geometry%kind /= kind .or. geometry%n_points /= n) call choose_reference(geometry, kind, n)
       end associate
       geometry%n_modes = 0
       if (material%is_b_bar) geometry%n_modes = n_projected(geometry%kind)
@@ -291,7 +289,6 @@ contains
       real(dp) :: xi(merge(3, 2, is_solid(kind))), values(max_nodes), derivatives(size(xi), max_nodes)
       integer :: n, point
 
-      if (geometry%kind == kind .and. geometry%n_points == n_points) return
       if (allocated(geometry%values)) deallocate (geometry%values, geometry%derivatives, geometry%weight, &
          geometry%gradient, geometry%position, geometry%volume, geometry%mode, geometry%thermal_strain)
       geometry%kind = kind

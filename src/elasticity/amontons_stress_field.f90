@@ -492,7 +492,9 @@ contains
             do k = 1, size(fitted)
                row((k - 1)*n + 1:k*n) = of_stress(fitted(k))*p(:n)
             end do
-            matrix = matrix + weight*n_samples*spread(row, 2, size(row))*spread(row, 1, size(row))
+            do k = 1, size(row)
+               matrix(:, k) = matrix(:, k) + weight*n_samples*row*row(k)
+            end do
             right = right + weight*n_samples*row*dot_product(d, side%traction(:, place))
          end associate
       end do

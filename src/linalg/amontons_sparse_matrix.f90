@@ -522,7 +522,7 @@ contains
          end do
          ! By their number of neighbors, ascending; ties keep their order.
          associate (list => queue%item(old_n + 1:queue%n))
-            list = list(sorting_order(int(graph%start(list + 1) - graph%start(list))))
+            if (size(list) > 1) list = list(sorting_order(int(graph%start(list + 1) - graph%start(list))))
          end associate
          at = at + 1
       end do
