@@ -68,6 +68,38 @@ class ContactTraps(ProgramTest):
                              element=element)
                 self.expect_pressures(self.solve_verified(deck), (0.5, 0.25, 1.0), element)
 
+    def test_floor_of_one_facet_and_of_a_fan_about_a_node(self):
+        # One triangle larger than the body; twelve about a corner, an edge or the middle of the sole.
+        def floor(name, corners):
+            self.write(f"{name}.stl", "solid floor\n" + "".join(
+                "facet normal 0 0 1\nouter loop\n" + "".join(f"vertex {x!r} {y!r} 0\n" for x, y in triangle)
+                + "endloop\nendfacet\n" for triangle in corners) + "endsolid floor\n")
+        floor("facet", [((-9.0, -9.0), (21.0, -9.0), (-9.0, 21.0))])
+        rim = [(9.0*math.cos(k*math.pi/6 + 0.1), 9.0*math.sin(k*math.pi/6 + 0.1)) for k in range(13)]
+        for name, (x, y) in (("corner", (0.0, 0.0)), ("edge", (0.5, 0.0)), ("middle", (0.5, 0.5))):
+            floor(name, [((x, y), one, other) for one, other in zip(rim, rim[1:])])
+        for element in ELEMENTS:
+            for name in ("facet", "corner", "edge", "middle"):
+                result = self.solve_verified(solid(
+                    "support set = 'left'  ux = 0.0", "support set = 'front'  uy = 0.0", "load set = 'top'  pressure = 1.0",
+                    f"contact set = 'bottom'  obstacle = 'surface'  file = '{name}.stl'", cells="4, 4, 2",
+                    element=element))
+                self.expect_pressures(result, (None, None, 1.0), f"{element} {name}")
+
+    def test_master_of_one_face_and_masters_that_are_finer(self):
+        planes = [f"support set = '{name}'  {key} = 0.0" for body in ("low", "high") for name, key in (
+            (f"{body}.left", "ux"), (f"{body}.front", "uy"))]
+        for element in ELEMENTS:
+            for cells in ("1, 1, 1", "4, 4, 2", "7, 5, 2"):
+                deck = "".join(f"&{group} /\n" for group in (
+                    f"mesh name = 'low'  kind = 'box'  size = 1.0, 1.0, 1.0  cells = {cells}  element = '{element}'  "
+                    "origin = 0.0, 0.0, -1.0",
+                    f"mesh name = 'high'  kind = 'box'  size = 1.0, 1.0, 1.0  cells = 2, 2, 2  element = '{element}'",
+                    "material young = 10.0  poisson = 0.3", "support set = 'low.bottom'  uz = 0.0", *planes,
+                    "load set = 'high.top'  pressure = 1.0",
+                    "contact set = 'high.bottom'  against = 'low.top'  friction = 0.2"))
+                self.expect_pressures(self.solve_verified(deck), (None, None, 1.0), f"{element} {cells}")
+
     def test_quarter_between_symmetry_planes_is_a_quarter_of_the_whole(self):
         floor, push = "contact set = 'bottom'  friction = 0.2", "support set = 'top'  ux = 0.0  uy = 0.0  uz = -0.1"
         for element in ("hex8", "hex20"):
