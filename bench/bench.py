@@ -19,6 +19,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 BENCH = ROOT / "bench"
 # The peers are Debian packages of Debian's own Python.
 PYTHON = "/usr/bin/python3"
+# But felupe, from PyPI, in an environment of its own (scripts/bench.sh).
+FELUPE = ROOT / "build/felupe/bin/python"
 
 
 def run(command, threads=None, check=True):
@@ -314,6 +316,13 @@ def phases(program, folder, deck):
     return used, taken["factorize"] + taken["condense"]
 
 
+def deviations(output, key):
+    """How far normal force and friction of another program are from those of the key results."""
+    forces = map(float, re.search(r"normal (\S+) friction (\S+)", output).groups())
+    return [f"{100 * (force / known - 1):+.4f} %"
+            for force, known in zip(forces, (key["contact_force_z"], -key["contact_force_x"]))]
+
+
 def print_cubes(program, work, sizes, has_pair=False):
     """A cube of solids, or two, with all files, beside CalculiX, by turns: the quickest of three runs."""
     rows, folder = [], work / "cubes"
@@ -335,10 +344,7 @@ def print_cubes(program, work, sizes, has_pair=False):
         row = [str(n), str(result["counts"]["dofs"]), str(result["iterations"]), seconds(min(ours)),
                f"{key['contact_force_z']:.6g}", f"{-key['contact_force_x']:.6g}"]
         if theirs:
-            normal, friction = map(float, re.search(r"normal (\S+) friction (\S+)", output).groups())
-            row += [seconds(min(theirs)), f"{min(theirs) / min(ours):.0f}",
-                    f"{100 * (normal / key['contact_force_z'] - 1):+.4f} %",
-                    f"{100 * (friction / -key['contact_force_x'] - 1):+.4f} %"]
+            row += [seconds(min(theirs)), f"{min(theirs) / min(ours):.0f}", *deviations(output, key)]
         else:
             row += ["not installed", "-", "-", "-"]
         rows.append(row + [f"{min(shares):.2f}" for _ in shares[:1]])
@@ -346,6 +352,24 @@ def print_cubes(program, work, sizes, has_pair=False):
           "whole command on one thread" + "; factorizing and condensing, over that of both apart" * has_pair,
           ["n", "unknowns", "steps", "s", "normal force", "friction", "CalculiX s", "times", "its normal force",
            "its friction"] + ["apart, times"] * has_pair, rows)
+
+
+def print_cube_peers(program, work, sizes):
+    """The cube in programs that take it from Python."""
+    rows = []
+    for n in sizes:
+        deck = cube_deck(work / "cubes", n)
+        ours = min(phases(program, work / "cubes", deck)[0] for _ in range(3))
+        key = json.loads((work / "cubes" / f"{deck.stem}.summary.json").read_text())["key_results"]
+        for name, python, script in (("GetFEM", version_of("python3-getfem") and PYTHON, "getfem_cube.py"),
+                                     ("felupe", FELUPE if FELUPE.exists() else None, "felupe_cube.py")):
+            row = [str(n), name, "not installed", "-", "-", "-"]
+            if python:
+                output, used = run([python, BENCH / script, n], threads=1)
+                row[2:] = [seconds(used["cpu"]), f"{used['cpu'] / ours:.0f}", *deviations(output, key)]
+            rows.append(row)
+    table("The cube on a rough floor in GetFEM and felupe, processor time on one thread over that of the whole command",
+          ["n", "program", "s", "times", "its normal force", "its friction"], rows)
 
 
 def print_solids(program, work, sizes, n_cases):
@@ -504,6 +528,7 @@ def main(build, work, is_full):
         ("ways of contact", print_beside, is_full),
         ("other programs", print_peers, (64, 128, 256) if is_full else (32, 64)),
         ("cubes", print_cubes, (8, 16, 24) if is_full else (8, 16)),
+        ("the cube in Python", print_cube_peers, (8, 16) if is_full else (8,)),
         ("cubes on cubes", print_cubes, (8, 16, 25) if is_full else (8, 16), True),
         ("solids", print_solids, (("hex8", 16), ("hex8", 24), ("tet10", 8), ("hex20", 8)) + (("tet10", 16),) * is_full,
          51 if is_full else 11),
