@@ -147,6 +147,18 @@ class SolidPairs(ProgramTest):
             # The guided edge slips, too.
             self.assertGreater(abs(plane["tangential_force"][0]), 0.01)
 
+    def test_sets_with_common_faces_are_named_as_such(self):
+        # A box around the top of the lower body holds the bottom of the upper one, too.
+        low = block_of_hexahedra("low", (2, 2, 1), lambda point: [2.0*x - 0.5 for x in point[:2]] + [point[2] - 1.0])
+        high = block_of_hexahedra("high", (2, 2, 1), list)
+        both = [("low.top", kind, points) for name, kind, points in high if name == "high.bottom"]
+        self.write("blocks.msh", mesh_text(low, high + both))
+        run = self.run_program(self.write("case.nml", "&mesh file = 'blocks.msh' /\n&material young = 100.0  poisson = 0.3 "
+                                          "/\n&support set = 'low.bottom'  uz = 0.0 /\n&load set = 'high.top'  pressure = "
+                                          "1.0 /\n&contact set = 'high.bottom'  against = 'low.top' /\n"), status=1)
+        self.assertIn("'high.bottom' and 'low.top' share nodes, as at 0.0, 0.0, 0.0: these bodies are joined there, or both "
+                      "sets have a side\n", run.stderr)
+
     def test_plane_of_symmetry_through_both_bodies_loses_no_friction(self):
         # Corners of the master beside the plane are nearer than those on it, which they were mistaken for.
         self.write("low.msh", mapped_solid((3, 6, 2), "hex8", lambda r, s, t: (

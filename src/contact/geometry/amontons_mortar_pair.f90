@@ -543,7 +543,7 @@ contains
          end if
          if (i > 0) then
             call new_error(error, input_refused, "'"//pair%set//"' and '"//pair%against//"' share nodes, as at "// &
-               place_text(body%mesh%coordinates(:, i))//': these bodies are joined there')
+               place_text(body%mesh%coordinates(:, i))//': these bodies are joined there, or both sets have a side')
             return
          end if
       end associate
