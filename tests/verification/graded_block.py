@@ -47,8 +47,8 @@ def graded_solid(element, h, size, core, mirrors=0, shape=None):
     """The text of a mesh file of solids: 0 <= x, y, z <= size, or |x| <= size, or |x|, |y| <= size with two mirrors.
 
     The cells measure h where x and y are at most the core and z a third of it. Their faces on the core are the set
-    `bottom`, the rest of that side is `far`. With a shape the block is one below, -size <= z <= 0, its side `top` lowered
-    by shape(r).
+    `bottom`, the rest of that side is `far`. With a shape the block is one below, -size <= z <= 0, whose `top` is
+    lowered by shape(r).
     """
     half, up = stations(core, size, h), stations(core/3, size, h)
     along, across = ([-x for x in half[:0:-1]] + half if mirrors >= count else half for count in (1, 2))
