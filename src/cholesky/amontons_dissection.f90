@@ -174,7 +174,7 @@ contains
             call mark_sides(graph, side, domain, is_before)
          else
             if (across == 0 .or. size(domain) < worth_search) exit
-            call mark_smallest(graph, place(across, :), extent(across), least, side, domain)
+            call mark_smallest(graph, place(across, :), extent(across), side, domain)
          end if
          cost = real(count(side(domain) == before), dp)*count(side(domain) == beyond)
          cost = merge(count(side(domain) == separator)/max(1.0_dp, cost), real(size(domain), dp), cost > 0.0_dp)
@@ -188,12 +188,10 @@ contains
 
    !> Marks the smallest separator of a domain in its middle along an axis: as many supervariables as there are paths
    !> through the middle that share none (Menger), and on each the first that no path can be led around.
-   subroutine mark_smallest(graph, x, extent, least, side, domain)
+   subroutine mark_smallest(graph, x, extent, side, domain)
       type(graph_t), intent(in) :: graph !! the graph
       real(dp), intent(in) :: x(:) !! coordinates of the supervariables of the domain (any) [L]
       real(dp), intent(in) :: extent !! their range [L]
-      real(dp), intent(in) :: least
-         !! supervariables over the product of both sides, from which on a separator is not sought to the end [-]
       integer, intent(inout) :: side(:) !! gains `before`, `beyond`, `separator` for those of the domain (n)
       integer, intent(in) :: domain(:) !! the supervariables of the domain
       ! Share of the domain on each side of the middle: with less a search takes longer than it saves; measured.
@@ -202,7 +200,7 @@ contains
       integer, allocatable :: item(:), start(:), near(:), next(:), previous(:)
       real(dp), allocatable :: x_item(:)
       integer(int64) :: at
-      integer :: i, k, n, n_found, n_paths, pass
+      integer :: i, k, n, n_found, pass
 
       call cut_across(x, share, extent, is_end)
       side(domain) = merge(before, separator, is_end)
@@ -238,12 +236,9 @@ contains
       end do
       start(n + 1) = k + 1
       side(item) = separator
-      n_paths = 0
-      do
+      n_found = 1
+      do while (n_found > 0)
          call add_paths(start, near, touches(:, before), touches(:, beyond), next, previous, from_before, n_found)
-         n_paths = n_paths + n_found
-         if (n_paths >= least*(0.5_dp*size(domain))**2) return
-         if (n_found == 0) exit
       end do
       call add_paths(start, near, touches(:, beyond), touches(:, before), previous, next, from_beyond, n_found)
       ! Of the two separators, each of the first on every path from one side, the better balanced one.
@@ -254,7 +249,7 @@ contains
          side(item) = merge(beyond, merge(separator, before, from_beyond(1, :)), from_beyond(2, :))
       end if
       ! Two sides that do not couple still get a separator, so that no domain is cut in more than two.
-      if (n_paths == 0) side(domain(1)) = separator
+      if (all(next == 0)) side(domain(1)) = separator
    end subroutine mark_smallest
 
    !> Adds paths through a graph to those that it has, each item on one path at most, leading these elsewhere where that
