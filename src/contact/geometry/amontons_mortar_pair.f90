@@ -16,11 +16,10 @@
 !> A bonded corner that a support guides has no multiplier along its tangent: the tangential function of its neighbor
 !> on the side is 1, so that constant shear stays among the multipliers; D_p of the tangent is then another one than
 !> that of the normal.
-! allow(S271): gfortran 12 fails if the modules are in order
 module amontons_mortar_pair
-   use amontons_contact_set, only: pairing_t
    use amontons_boundary, only: new_patch, patch_t
    use amontons_constraints, only: constraints_t
+   use amontons_contact_set, only: pairing_t
    use amontons_dense, only: small_inverse
    use amontons_error, only: error_t, input_refused, new_error
    use amontons_face_pair, only: covered_faces, find_face_segments, integrate_faces, last_of_side, new_face_surface
@@ -489,16 +488,18 @@ contains
 
    !> Makes the slave of a rigid obstacle in space: its points are the corners of its faces, all of which face the
    !> obstacle.
-   pure subroutine new_slave_alone(pair, patch, body, taken)
+   pure subroutine new_slave_alone(pair, patch, normal, body, taken)
       type(mortar_pair_t), intent(out) :: pair !! the pair, without a master
-      type(patch_t), intent(in) :: patch !! the patch of the set, with the normals towards the obstacle
+      type(patch_t), intent(in) :: patch !! the patch of the set
+      real(dp), intent(in) :: normal(:, :) !! unit normals of its nodes, along which gaps count (3, n_nodes) [-]
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(taken_t), intent(in) :: taken !! what earlier sets have
       integer :: i
 
       pair%is_alone = .true.
       pair%patch = patch
-      call new_face_surface(pair%slave, body, patch, patch%node(:0))
+      pair%patch%normal = normal
+      call new_face_surface(pair%slave, body, pair%patch, patch%node(:0))
       pair%segments = [(mortar_segment_t(slave=i), i=1, pair%slave%n_sides)]
       ! The obstacle covers each function as a whole.
       allocate (pair%part(size(pair%slave%normal, 2) - 1, pair%slave%n_sides), source=1.0_dp)

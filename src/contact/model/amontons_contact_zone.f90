@@ -134,17 +134,21 @@ contains
       type(taken_t), intent(inout) :: taken !! what earlier sets have; gains what this one has
       type(error_t), allocatable, intent(out) :: error !! a missing set, or nothing is left of it
       type(patch_t) :: patch
+      real(dp), allocatable :: normal(:, :)
       integer :: i
 
       call new_patch(patch, body%mesh, contact%set, error, body%materials, taken%face)
       if (allocated(error)) return
+      normal = patch%normal
+      if (any(abs(contact%direction) > 0.0_dp)) normal = spread(unit_vector(contact%direction(:size(normal, 1))), 2, &
+         patch%n_nodes)
       if (contact%partition%is_constant) then
          call add_cells(zone, set, contact, patch, body, error)
       else if (3*merge(patch%n_nodes, 0, any(patch%ends > 0)) > contact%partition%most_nodal .and. &
          .not. contact%slides_far()) then
-         call add_corners(zone, set, contact%direction, patch, body, taken)
+         call add_corners(zone, set, normal, patch, body, taken)
       else
-         call add_nodes(zone, set, contact%direction(:size(patch%normal, 1)), patch, body, taken)
+         call add_nodes(zone, set, normal, patch, body, taken)
       end if
       if (all(zone%set /= set) .and. all(taken%node(patch%node))) call new_error(error, input_refused, &
          'every node of this contact set belongs to an earlier one; a set meets one obstacle: split its curve '// &
@@ -385,15 +389,15 @@ contains
    !> first unknown is the displacement of the corner, the second is (u_b - alpha u_a) / (1 - alpha) in place of u_b. On
    !> quadratic faces in space all corners take a share from all middle nodes beside them (`amontons_boundary`): these
    !> have (u_b - alpha (u_a + u_c)) / (1 - 2 alpha).
-   pure subroutine add_nodes(zone, set, direction, patch, body, taken)
+   pure subroutine add_nodes(zone, set, normal, patch, body, taken)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
-      real(dp), intent(in) :: direction(:) !! along which its gaps count; 0 for the body's normal (n_dim) [-]
+      real(dp), intent(in) :: normal(:, :) !! unit normals of its nodes, along which gaps count (n_dim, n_nodes) [-]
       type(patch_t), intent(in) :: patch !! its patch
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(taken_t), intent(in) :: taken !! what earlier sets have
       type(contact_zone_t) :: points
-      real(dp) :: area(patch%n_nodes), normal(size(direction), patch%n_nodes), arc_length(patch%n_nodes)
+      real(dp) :: area(patch%n_nodes), arc_length(patch%n_nodes)
       integer :: point_of(0:patch%n_nodes), kept(patch%n_nodes), corner(patch%n_nodes)
       integer :: i, k, n, n_corners
       integer, allocatable :: own(:), place(:), stand_in(:), beside(:)
@@ -407,7 +411,6 @@ contains
       arc_length = 0.0_dp
       if (allocated(patch%line)) arc_length = patch%line%arc_length
       area = bearing_areas(patch)
-      normal = law_normals(patch, direction)
       do k = 1, patch%n_nodes
          associate (node => patch%node(k))
             is_own = .not. taken%node(node) .and. body%constraints%rigid_of(node) == 0
@@ -465,16 +468,6 @@ contains
       zone%node = [zone%node, pack(patch%node(kept(:n)), points%is_own)]
       call add_points(zone, set, .false., points)
    end subroutine add_nodes
-
-   !> The normals of the nodes of a patch along which gaps count: its own, or a given direction (n_dim, n_nodes) [-].
-   pure function law_normals(patch, direction) result(normal)
-      type(patch_t), intent(in) :: patch !! the patch
-      real(dp), intent(in) :: direction(:) !! the direction; 0 for the body's normals (n_dim) [-]
-      real(dp), allocatable :: normal(:, :)
-
-      normal = patch%normal
-      if (any(abs(direction) > 0.0_dp)) normal = spread(unit_vector(direction), 2, patch%n_nodes)
-   end function law_normals
 
    !> Sets the nodes of each point as the places where its gap is measured, and the mean of these as that where its
    !> force acts.
@@ -573,42 +566,36 @@ contains
 
    !> Adds the corners of the faces of a patch in space as points, with multipliers as those of the slave of a pair. The
    !> gap of a point is made of those of its nodes as its displacement is of theirs.
-   pure subroutine add_corners(zone, set, direction, patch, body, taken)
+   pure subroutine add_corners(zone, set, normal, patch, body, taken)
       type(contact_zone_t), intent(inout) :: zone !! the zone
       integer, intent(in) :: set !! number of the contact set
-      real(dp), intent(in) :: direction(3) !! along which its gaps count; 0 for the body's normal [-]
+      real(dp), intent(in) :: normal(:, :) !! unit normals of its nodes, along which gaps count (3, n_nodes) [-]
       type(patch_t), intent(in) :: patch !! its patch
       type(meshed_body_t), intent(in) :: body !! mesh, materials and supports
       type(taken_t), intent(in) :: taken !! what earlier sets have
       type(contact_zone_t) :: points
       type(mortar_points_t) :: integrals
-      type(patch_t) :: towards
       integer :: place(body%mesh%n_nodes), i, p
       real(dp), allocatable :: share(:)
 
-      towards = patch
-      towards%normal = law_normals(patch, direction)
       place(patch%node) = [(i, i=1, patch%n_nodes)]
       associate (pair => zone%pairs(set), rows => integrals%rows)
-         call new_slave_alone(pair, towards, body, taken)
+         call new_slave_alone(pair, patch, normal, body, taken)
          zone%held_node = [zone%held_node, pair%held_node]
          zone%held_set = [zone%held_set, spread(set, 1, size(pair%held_node))]
-         zone%held_normal = reshape([zone%held_normal, towards%normal(:, place(pair%held_node))], &
+         zone%held_normal = reshape([zone%held_normal, normal(:, place(pair%held_node))], &
             [3, size(zone%held_node)])
          zone%held_arc_length = [zone%held_arc_length, spread(0.0_dp, 1, size(pair%held_node))]
          call integrate_pair(integrals, pair, pair%segments, is_again=.false.)
          zone%shared_node = [zone%shared_node, pair%shared_node]
-         points%frame = pair%frame
+         call set_moved(points, integrals, pair)
          points%is_fixed = pair%is_fixed
          points%is_own = body%constraints%rigid_of(pair%node) == 0
          zone%node = [zone%node, pack(pair%node, points%is_own)]
          points%position = body%mesh%coordinates(:, pair%node)
-         points%weight = integrals%area
-         points%area = integrals%area
-         points%rows = rows
          share = [((dot_product(rows%block(:, 1, i), pair%frame(:, 1, p)), i=rows%start(p), rows%start(p + 1) - 1), &
             p=1, size(pair%node))]
-         call set_nodal_quadrature(points, patch, towards%normal, place(rows%node), share, body%mesh%coordinates)
+         call set_nodal_quadrature(points, patch, normal, place(rows%node), share, body%mesh%coordinates)
       end associate
       call add_points(zone, set, .false., points)
    end subroutine add_corners
@@ -729,7 +716,7 @@ contains
       call add_points(zone, set, .false., points)
    end subroutine add_moved_pair
 
-   !> Sets what depends on the places of a pair that slides far.
+   !> Sets what depends on the places of a pair, which may slide far.
    pure subroutine set_moved(points, integrals, pair)
       type(contact_zone_t), intent(inout) :: points !! gain frames, places, areas, rows and quadrature
       type(mortar_points_t), intent(in) :: integrals !! the integrals of the pair
