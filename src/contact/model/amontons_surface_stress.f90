@@ -12,10 +12,9 @@ module amontons_surface_stress
    use amontons_element, only: max_nodes, quadrature_point, shape_functions, side_abscissa, side_shapes
    use amontons_error, only: error_t
    use amontons_face, only: face_kind, face_t, set_faces
-   use amontons_frame, only: turned
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t
-   use amontons_material, only: axes_at_angle, in_plane, material_t, n_strains, stresses_in, turned_compliance
+   use amontons_material, only: material_t, n_strains, stresses_in, turned_compliance
    use amontons_rounding, only: input_rounding
    implicit none (type, external)
    private
@@ -161,11 +160,13 @@ contains
       real(dp), intent(in) :: fields(:, :, :) !! displacements that each part causes (n_dim, n_nodes, parts) [L]
       type(material_t) :: material
       real(dp), allocatable :: field(:, :, :)
-      real(dp), dimension(size(fields, 1), size(fields, 1)) :: axes, share, law, push
-      real(dp), dimension(size(fields, 1)) :: outward, position, strain
+      real(dp), dimension(size(fields, 1), size(fields, 1)) :: share, law
+      real(dp), dimension(3) :: outward, along
+      real(dp), dimension(3, 3) :: axes, push
       real(dp) :: thermal(size(fields, 1), size(parts)), row(size(fields, 1)*body%zone%n_points)
       real(dp) :: compliance(2*size(fields, 1), 2*size(fields, 1)), gradients(3, max_nodes), values(max_nodes)
-      real(dp) :: form(n_strains), weight, slopes(3), along(2), expansion
+      real(dp) :: form(n_strains), weight, expansion
+      integer, parameter :: inner(3) = [1, 2, 4] ! places of the strains in the surface among all
       integer :: d, i, j, k
 
       d = size(fields, 1)
@@ -173,74 +174,47 @@ contains
       thermal = 0.0_dp
       share = 0.0_dp
       outward = 0.0_dp
+      along = 0.0_dp
+      along(:d) = body%zone%frame(:, 2, p)
       do j = 1, size(places)
          associate (n => faces(places(j)%face)%n_nodes, nodes => faces(places(j)%face)%node, &
             element => faces(places(j)%face)%element)
             weight = places(j)%weight/sum(places%weight)
             material = body%materials%list(body%materials%of_element(element))
-            if (d == 3) then
-               call measure_face(axes, values, gradients, places(j)%xi, body%mesh%coordinates(:, nodes(:n)), &
-                  body%zone%frame(:, 2, p))
-            else
-               call side_shapes(n > 2, places(j)%xi(1), values(:3), slopes)
-               along = matmul(body%mesh%coordinates(:, nodes(:n)), slopes(:n))
-               axes(:, 2) = along/norm2(along)
-               axes(:, 1) = [axes(2, 2), -axes(1, 2)]
-            end if
-            position = matmul(body%mesh%coordinates(:, nodes(:n)), values(:n))
-            compliance = surface_compliance(material, axes)
+            call measure_face(axes, values, gradients, places(j)%xi, body%mesh%coordinates(:, nodes(:n)), along)
+            compliance = surface_compliance(material, axes, d)
             law = inner_law(compliance, material%is_plane_stress)
             share = share - weight*matmul(law, compliance(d + 1:, :d))
             outward = outward + weight*axes(:, 1)
             do k = 1, n
-               associate (factors => field(:, nodes(k), :))
-                  if (d == 3) then
-                     ! How the strains along both tangents and their shear follow from the node's displacement.
-                     associate (slope => matmul(gradients(:, k), axes(:, 2:)))
-                        push(:, 1) = slope(1)*axes(:, 2)
-                        push(:, 2) = slope(2)*axes(:, 3)
-                        push(:, 3) = slope(2)*axes(:, 2) + slope(1)*axes(:, 3)
-                     end associate
-                     factors = factors + weight*matmul(push, law)
-                     cycle
-                  end if
-                  do i = 1, 2
-                     factors(:, i) = factors(:, i) + weight*law(i, 1)*slopes(k)*along/sum(along**2)
-                     if (material%is_axisymmetric) factors(1, i) = factors(1, i) &
-                        + weight*law(i, 2)*values(k)/position(1)
-                  end do
+               ! How the strains along both tangents and their shear follow from the node's displacement.
+               associate (slope => matmul(gradients(:, k), axes(:, 2:)), factors => field(:, nodes(k), :))
+                  push(:, 1) = slope(1)*axes(:, 2)
+                  push(:, 2) = slope(2)*axes(:, 3)
+                  push(:, 3) = slope(2)*axes(:, 2) + slope(1)*axes(:, 3)
+                  if (material%is_axisymmetric) push(1, 2) = values(k) &
+                     /dot_product(body%mesh%coordinates(1, nodes(:n)), values(:n))
+                  factors = factors + weight*matmul(push(:d, :d), law)
                end associate
             end do
             if (.not. allocated(parts(1)%element_load)) cycle
             associate (first => body%mesh%node_start(element), last => body%mesh%node_start(element + 1) - 1)
-               form = material%expansion_form()
-               if (d == 3) then
-                  form = matmul(form, stresses_in(axes(:, [2, 3, 1])))
-                  strain = form([1, 2, 4])
-               else
-                  strain = [dot_product(form(in_plane), [axes(:, 2)**2, product(axes(:, 2))]), form(3)]
-               end if
+               form = matmul(material%expansion_form(), stresses_in(axes(:, [2, 3, 1])))
                do i = 1, size(parts)
                   expansion = 0.0_dp
                   do k = 1, n
                      expansion = expansion + values(k)*parts(i)%element_load(first - 1 &
                         + findloc(body%mesh%node(first:last), nodes(k), dim=1))
                   end do
-                  thermal(:, i) = thermal(:, i) + weight*expansion*matmul(law, strain)
+                  thermal(:, i) = thermal(:, i) + weight*expansion*matmul(law, form(inner(:d)))
                end do
             end associate
          end associate
       end do
       material = body%materials%list(body%materials%of_element(faces(places(1)%face)%element))
-      if (d == 3) then
-         axes = tangent_axes(outward, body%zone%frame(:, 2, p))
-         surface%axes(:, :, p) = matmul(transpose(body%zone%frame(:, :, p)), axes)
-      else
-         axes(:, 1) = outward/norm2(outward)
-         surface%axes(:, 1, p) = matmul(outward, body%zone%frame(:, :, p))/norm2(outward)
-         surface%axes(:, 2, p) = turned(surface%axes(:, 1, p))
-      end if
-      surface%compliance(:, :, p) = surface_compliance(material, axes)
+      axes = tangent_axes(outward, along)
+      surface%axes(:, :, p) = matmul(transpose(body%zone%frame(:, :, p)), axes(:d, :d))
+      surface%compliance(:, :, p) = surface_compliance(material, axes, d)
       do k = 1, d
          associate (sum_number => d*(p - 1) + k)
             row = condensed_force(body, field(:, :, k))
@@ -262,7 +236,7 @@ contains
       end do
    end subroutine add_point
 
-   !> The axes of a surface in space: its normal, a tangent as near to a direction as can be, and the other (3, 3) [-].
+   !> The axes of a surface: its normal, a tangent as near to a direction as can be, and the other (3, 3) [-].
    pure function tangent_axes(normal, along) result(axes)
       real(dp), intent(in) :: normal(3) !! the normal, of any length
       real(dp), intent(in) :: along(3) !! the direction, across the normal or nearly so [-]
@@ -274,18 +248,27 @@ contains
       axes(:, 3) = vector_product(axes(:, 1), axes(:, 2))
    end function tangent_axes
 
-   !> The axes of a face in space at a place, and the shape functions there with their gradients in the face.
+   !> The axes of a face at a place, and the shape functions there with their gradients in the face. A side of a plane
+   !> body is a strip along z.
    pure subroutine measure_face(axes, values, gradients, xi, x, along)
       real(dp), intent(out) :: axes(3, 3) !! outward normal and tangents, as columns [-]
       real(dp), intent(out) :: values(:) !! value of each node's function (max_nodes) [-]
       real(dp), intent(out) :: gradients(:, :) !! their gradients (3, max_nodes) [1/L]
       real(dp), intent(in) :: xi(2) !! the place
-      real(dp), intent(in) :: x(:, :) !! coordinates of the face's nodes (3, nodes) [L]
+      real(dp), intent(in) :: x(:, :) !! coordinates of the face's nodes (n_dim, nodes) [L]
       real(dp), intent(in) :: along(3) !! the direction of the first tangent [-]
       real(dp) :: derivatives(2, max_nodes), tangents(3, 2), normal(3), dual(3, 2)
 
-      call shape_functions(face_kind(size(x, 2)), xi, values, derivatives)
-      tangents = matmul(x, transpose(derivatives(:, :size(x, 2))))
+      derivatives = 0.0_dp
+      if (size(x, 1) == 2) then
+         call side_shapes(size(x, 2) > 2, xi(1), values(:3), derivatives(1, :3))
+      else
+         call shape_functions(face_kind(size(x, 2)), xi, values, derivatives)
+      end if
+      tangents = reshape([0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [3, 2])
+      associate (n_dim => size(x, 1))
+         tangents(:n_dim, :n_dim - 1) = matmul(x, transpose(derivatives(:n_dim - 1, :size(x, 2))))
+      end associate
       normal = vector_product(tangents(:, 1), tangents(:, 2))
       axes = tangent_axes(normal, along)
       dual(:, 1) = vector_product(tangents(:, 2), normal)/sum(normal**2)
@@ -298,35 +281,27 @@ contains
       real(dp), intent(in) :: compliance(:, :) !! strains of stresses, from `surface_compliance` (2 n_dim, 2 n_dim)
       logical, intent(in) :: is_plane_stress !! whether nothing acts out of the plane
       real(dp) :: law(size(compliance, 1)/2, size(compliance, 1)/2)
-      integer :: info
+      integer :: info, d, n
 
-      if (size(law, 1) == 3) then
-         law = compliance(4:, 4:)
-         call cholesky_factor(law, info)
-         call cholesky_inverse(law)
-      else if (is_plane_stress) then
-         law = reshape([1.0_dp/compliance(3, 3), 0.0_dp, 0.0_dp, 0.0_dp], [2, 2])
-      else
-         law = reshape([compliance(4, 4), -compliance(4, 3), -compliance(3, 4), compliance(3, 3)], [2, 2]) &
-            /(compliance(3, 3)*compliance(4, 4) - compliance(3, 4)**2)
-      end if
+      d = size(law, 1)
+      n = merge(1, d, is_plane_stress)
+      law = 0.0_dp
+      law(:n, :n) = compliance(d + 1:d + n, d + 1:d + n)
+      call cholesky_factor(law(:n, :n), info)
+      call cholesky_inverse(law(:n, :n))
    end function inner_law
 
    !> The compliance in the axes of the surface: strains from stresses, both in the order of `surface_stress_stress`
    !> (2 n_dim, 2 n_dim) [L^2/F].
-   pure function surface_compliance(material, axes) result(compliance)
+   pure function surface_compliance(material, axes, n_dim) result(compliance)
       type(material_t), intent(in) :: material !! the material
-      real(dp), intent(in) :: axes(:, :) !! outward normal and tangents of the surface (n_dim, n_dim) [-]
-      real(dp) :: compliance(2*size(axes, 1), 2*size(axes, 1)), turned(n_strains, n_strains)
-      integer, parameter :: order(4) = [1, 4, 2, 3], order_in_space(n_strains) = [1, 4, 6, 2, 3, 5]
+      real(dp), intent(in) :: axes(3, 3) !! outward normal and tangents of the surface [-]
+      integer, intent(in) :: n_dim !! number of dimensions
+      real(dp) :: compliance(2*n_dim, 2*n_dim), turned(n_strains, n_strains)
+      integer, parameter :: order(n_strains, 2:3) = reshape([1, 4, 2, 3, 5, 6, 1, 4, 6, 2, 3, 5], [n_strains, 2])
 
-      if (size(axes, 1) == 3) then
-         turned = turned_compliance(material%compliance, axes)
-         compliance = turned(order_in_space, order_in_space)
-      else
-         turned = turned_compliance(material%compliance, axes_at_angle(atan2(axes(2, 1), axes(1, 1))))
-         compliance = turned(order, order)
-      end if
+      turned = turned_compliance(material%compliance, axes)
+      compliance = turned(order(:2*n_dim, n_dim), order(:2*n_dim, n_dim))
    end function surface_compliance
 
    !> Stresses of each point in the frame of the surface: normal, shear (positive where the traction is along the
