@@ -41,6 +41,9 @@ module amontons_generated_mesh
       21, 10, 3, 11, 27, 24, 19, 25, 12, 21, 11, 4, 26, 27, 25, 20, 17, 23, 27, 26, 5, 13, 22, 16, &
       23, 18, 24, 27, 13, 6, 14, 22, 27, 24, 19, 25, 22, 14, 7, 15, 26, 27, 25, 20, 16, 22, 15, 8], [8, max_parts])
 
+   !> Least memory of a node in the plane and in space: mesh, stiffness as it is assembled and in the order of
+   !> elimination, and what is computed from its solution [bytes].
+   real(dp), parameter :: node_bytes(2:3) = [1000.0_dp, 2000.0_dp]
    !> Ways to divide a cell into two triangles, as a deck writes them.
    character(11), parameter :: diagonal_names(3) = [character(11) :: 'right', 'left', 'alternating']
 
@@ -80,25 +83,15 @@ contains
       integer, intent(in) :: n_times !! number of uniform refinements
       type(error_t), allocatable, intent(out) :: error !! more nodes than numbers or memory allow
       integer, intent(in), optional :: n_finest !! number of refinements that must be possible later on
-      ! As many as a generated mesh may have: in the plane, in space.
-      real(dp), parameter :: most_nodes(2:3) = 2.0_dp**[27, 23]
-      ! Mesh, stiffness as it is assembled and in the order of elimination, and what is computed from its solution.
-      real(dp), parameter :: node_bytes(2:3) = [1000.0_dp, 2000.0_dp]
       type(mesh_t) :: parent, quadratic
       integer, allocatable :: kinds(:)
-      real(dp) :: n_nodes
       integer :: i, n_dim, n_most
 
       n_dim = size(mesh%coordinates, 1)
       n_most = n_times
       if (present(n_finest)) n_most = max(n_times, n_finest)
-      n_nodes = mesh%n_nodes*real(2**n_dim, dp)**n_most
-      if (n_nodes > most_nodes(n_dim)) then
-         call new_error(error, input_refused, 'refined '//to_text(n_most)//' times, the mesh has more nodes than '// &
-            'node numbers allow (about '//trim(merge('134', '8  ', n_dim == 2))//' million)')
-      else if (n_most > 0) then
-         call check_memory('', n_nodes, node_bytes(n_dim), error)
-      end if
+      if (n_most > 0) call check_size('refined '//to_text(n_most)//' times', mesh%n_nodes*real(2**n_dim, dp)**n_most, &
+         node_bytes(n_dim), n_dim, error)
       if (allocated(error)) return
       do i = 1, n_times
          kinds = mesh%element_kind
@@ -112,19 +105,28 @@ contains
       end do
    end subroutine refine_mesh
 
-   !> Refuses a mesh that cannot be solved in the memory of the machine.
-   subroutine check_memory(what, n_nodes, node_bytes, error)
-      character(*), intent(in) :: what !! what the mesh is made of, for the message: 'rectangle: '
+   !> Refuses a mesh of more nodes than lists can count, or than can be solved in the memory of the machine.
+   subroutine check_size(what, n_nodes, bytes, n_dim, error)
+      character(*), intent(in) :: what !! what the mesh is, for the message: 'rectangle'
       real(dp), intent(in) :: n_nodes !! number of nodes
-      real(dp), intent(in) :: node_bytes !! what each needs at the least [bytes]
-      type(error_t), allocatable, intent(out) :: error !! memory is short
+      real(dp), intent(in) :: bytes !! what each needs at the least [bytes]
+      integer, intent(in) :: n_dim !! number of dimensions
+      type(error_t), allocatable, intent(out) :: error !! there are too many, or memory is short
+      ! The longest list counts 12 unknowns for the two linear triangles of a cell, and less than three times as many of
+      ! quadratic ones; a quadratic hexahedron has nine times the entries. Default integers reach 2^31.
+      real(dp), parameter :: most_nodes(2:3) = 2.0_dp**[27, 23]
       real(dp) :: megabytes
 
-      megabytes = 1.0e-6_dp*node_bytes*n_nodes
-      if (megabytes > available_memory_mb()) call new_error(error, system_failure, what//'not enough memory: '// &
-         to_text(nint(n_nodes, int64))//' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
-         to_text(nint(available_memory_mb(), int64))//' MB are available')
-   end subroutine check_memory
+      megabytes = 1.0e-6_dp*bytes*n_nodes
+      if (n_nodes > most_nodes(n_dim)) then
+         call new_error(error, input_refused, what//': more nodes than their numbers allow (about '// &
+            trim(merge('134', '8  ', n_dim == 2))//' million)')
+      else if (megabytes > available_memory_mb()) then
+         call new_error(error, system_failure, what//': not enough memory: '//to_text(nint(n_nodes, int64))// &
+            ' nodes need at least '//to_text(nint(megabytes, int64))//' MB, and '// &
+            to_text(nint(available_memory_mb(), int64))//' MB are available')
+      end if
+   end subroutine check_size
 
    !> Replaces quadratic elements by the linear ones into which each is divided. The centers of eight-node elements of
    !> the plane, and those of the faces and the elements of 20 nodes, become nodes, whose coordinates are not set yet.
@@ -453,15 +455,10 @@ contains
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(rectangle_t), intent(in) :: rectangle !! the rectangle and its cells
       type(error_t), allocatable, intent(out) :: error !! the rectangle makes no sense, or memory is short
-      ! The longest list counts 12 unknowns for the two linear triangles of a cell, 24 for quadratic ones; default
-      ! integers reach 2^31.
-      integer(int64), parameter :: most_nodes = 2_int64**27
-      ! The least memory, which is refused before a mesh is made: mesh, stiffness as it is assembled and in the order of
-      ! elimination, and what is computed from its solution (1450 bytes and more, also of a strip, whose nodes are on
-      ! its boundary); and the factor of nested dissection, which has 90 to 120 numbers an unknown on squares of 256 to
-      ! 1024 cells, and more of them the more cells the shorter side has. Half of that leaves room for doubt.
-      real(dp), parameter :: node_bytes = 1450.0_dp, factor_bytes = 96.0_dp
-      real(dp) :: n_nodes
+      ! Also what is computed for nodes of the boundary, of which a strip consists; and the factor of nested dissection,
+      ! which has 90 to 120 numbers an unknown on squares of 256 to 1024 cells, and more of them the more cells the
+      ! shorter side has. Half of that leaves room for doubt.
+      real(dp), parameter :: boundary_bytes = 450.0_dp, factor_bytes = 96.0_dp
       real(dp), allocatable :: height(:)
       integer, allocatable :: parts(:, :)
       integer :: i, kind, shape
@@ -474,14 +471,8 @@ contains
          return
       end if
       shape = corner_kind(kind)
-      if (product(int(rectangle%cells, int64) + 1)*merge(1, 2, kind == shape) > most_nodes) then
-         call new_error(error, input_refused, 'rectangle: more cells than node numbers allow (about 134 million, '// &
-            'of quadratic elements half as many)')
-         return
-      end if
-      n_nodes = product(rectangle%cells + 1.0_dp)*merge(1.0_dp, 3.0_dp, kind == shape)
-      call check_memory('rectangle: ', n_nodes, node_bytes + factor_bytes*log(1.0_dp + minval(rectangle%cells)) &
-         /log(2.0_dp), error)
+      call check_size('rectangle', product(rectangle%cells + 1.0_dp)*merge(1.0_dp, 3.0_dp, kind == shape), &
+         node_bytes(2) + boundary_bytes + factor_bytes*log(1.0_dp + minval(rectangle%cells))/log(2.0_dp), 2, error)
       if (allocated(error)) return
       if (shape == quad4) then
          parts = spread([1, 2, 3, 4], 2, 2)
@@ -512,10 +503,6 @@ contains
       type(mesh_t), intent(out) :: mesh !! the mesh
       type(box_t), intent(in) :: box !! the box and its cells
       type(error_t), allocatable, intent(out) :: error !! the box makes no sense, or memory is short
-      ! A quadratic hexahedron has nine times the entries of a plane one in lists of default integers.
-      real(dp), parameter :: most_nodes = 2.0_dp**23
-      ! Mesh, stiffness as it is assembled and in the order of elimination, and what is computed from its solution.
-      real(dp), parameter :: node_bytes = 2000.0_dp
       ! The corners of a cell that six tetrahedra have, all around its diagonal, in the orders by which refinement makes
       ! those of smaller cells.
       integer, parameter :: six(*) = [1, 2, 3, 7, 3, 4, 1, 7, 1, 4, 8, 7, 8, 5, 1, 7, 1, 5, 6, 7, 6, 2, 1, 7]
@@ -531,11 +518,7 @@ contains
       shape = corner_kind(kind)
       n_nodes = product(box%cells + 1.0_dp)
       if (kind /= shape) n_nodes = n_nodes*merge(4.0_dp, 8.0_dp, kind == hex20)
-      if (n_nodes > most_nodes) then
-         call new_error(error, input_refused, 'box: more cells than node numbers allow (about 8 million nodes)')
-      else
-         call check_memory('box: ', n_nodes, node_bytes, error)
-      end if
+      call check_size('box', n_nodes, node_bytes(3), 3, error)
       if (allocated(error)) return
       parts = six
       if (shape == hex8) parts = [(i, i=1, 8)]

@@ -86,9 +86,9 @@ class Decks(HostileTest):
             self.refuse("deck.nml", text)
 
     def test_cells_beyond_all_memory(self):
-        for cells, message in (("60000, 60000", "rectangle: more cells than node numbers allow"),
-                               ("2000000000, 2000000000", "rectangle: more cells than node numbers allow"),
-                               ("8, 4  refine = 20", "refined 20 times, the mesh has more nodes than node numbers"),
+        for cells, message in (("60000, 60000", "rectangle: more nodes than their numbers allow"),
+                               ("2000000000, 2000000000", "rectangle: more nodes than their numbers allow"),
+                               ("8, 4  refine = 20", "refined 20 times: more nodes than their numbers"),
                                ("0, 4", "cells must be at least 1, found 0"),
                                ("-8, 4", "cells must be at least 1, found -8"),
                                ("2147483648, 4", "cells: expected a whole number of at most 2147483647, found "),
@@ -103,8 +103,8 @@ class Decks(HostileTest):
             self.assertRegex(found, r"^deck\.nml:1: rectangle: not enough memory: \d+ nodes need at least \d+ "
                              r"MB, and \d+ MB are available\n$")
         found = self.refuse("deck.nml", SOUND.replace("8, 4", "8, 4  refine = 10"), status=3)
-        self.assertRegex(found, r"^deck\.nml:1: not enough memory: \d+ nodes need at least \d+ MB, and \d+ MB "
-                         r"are available\n$")
+        self.assertRegex(found, r"^deck\.nml:1: refined 10 times: not enough memory: \d+ nodes need at least \d+ "
+                         r"MB, and \d+ MB are available\n$")
 
     def test_numerals(self):
         for word in ("1d400", "1e400", "1e-400", "-1d-400"):
