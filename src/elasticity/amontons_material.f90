@@ -432,11 +432,8 @@ contains
       class(material_t), intent(in) :: self !! the material
       real(dp), intent(in) :: stress(n_strains) !! the stress; zz counts in solids and bodies of revolution [F/L^2]
 
-      if (self%is_solid) then
+      if (self%is_solid .or. self%is_axisymmetric) then
          product = dot_product(stress, matmul(self%compliance, stress))
-      else if (self%is_axisymmetric) then
-         product = dot_product(stress(:4), matmul(self%compliance(:4, :4), stress(:4))) &
-            + self%compliance(5, 5)*stress(5)**2 + self%compliance(6, 6)*stress(6)**2
       else
          product = dot_product(stress(in_plane), matmul(self%plane_compliance, stress(in_plane)))
       end if

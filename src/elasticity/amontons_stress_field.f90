@@ -15,7 +15,7 @@ module amontons_stress_field
       is_plain_quadrilateral, new_element_geometry, plane_quadrilateral_t, quadrilateral_shapes, set_element_load
    use amontons_element, only: corner_kind, element_names, max_corners, max_nodes, max_points, &
       is_solid, n_corners, n_element_nodes, n_element_points, n_fine_points, n_sampling_points, node_coordinates, &
-      quadrature_point, shape_functions, tri3
+      quadrature_point, shape_functions
    use amontons_frame, only: new_frame, turned
    use amontons_integer_list, only: fill_bins
    use amontons_kinds, only: dp
@@ -609,7 +609,6 @@ contains
       type(element_geometry_t) :: geometry
       real(dp), allocatable :: coefficient(:, :, :)
       real(dp) :: of_patch(n_strains, max_terms), weights(max_points, max_corners, size(element_names))
-      logical :: is_plain
       integer :: i
 
       weights = corner_weights(size(mesh%coordinates, 1))
@@ -626,11 +625,7 @@ contains
       end associate
       do i = (block - 1)*block_size + 1, min(mesh%n_elements, block*block_size)
          associate (material => materials%list(materials%of_element(i)), kind => mesh%element_kind(i))
-            is_plain = .not. (material%is_axisymmetric .or. present(element_load))
-            if (kind == tri3 .and. is_plain) then
-               squares(:, i) = triangle_squared_norms(mesh, i, material, patches, coefficient, &
-                  recovered%sample(:, patches%samples%start(i)), weights(:, :3, tri3))
-            else if (is_plain .and. patches%is_linear .and. is_plain_quadrilateral(kind, material)) then
+            if (patches%is_linear .and. is_plain_quadrilateral(kind, material) .and. .not. present(element_load)) then
                squares(:, i) = plain_squared_norms(mesh, i, material, displacement, patches, coefficient)
             else
                call new_element_geometry(geometry, mesh, i, material, n_fine_points(kind))
@@ -666,36 +661,6 @@ contains
          squares(2) = squares(2) + geometry%volume(point)*dot_product(strain(:, point), stress)
       end do
    end function element_squared_norms
-
-   !> Integrals like those of `element_squared_norms` over a three-node triangle of a plane body, whose stress is
-   !> uniform and whose points have equal weights [F L].
-   pure function triangle_squared_norms(mesh, element, material, patches, coefficient, stress, weights) result(squares)
-      type(mesh_t), intent(in) :: mesh !! the mesh
-      integer, intent(in) :: element !! the element
-      type(material_t), intent(in) :: material !! its material
-      type(patch_table_t), intent(in) :: patches !! the patches of the mesh
-      real(dp), contiguous, intent(in) :: coefficient(:, :, :) !! the polynomials of its block, from `fit_polynomial`
-      real(dp), intent(in) :: stress(n_strains) !! the stress of its displacements [F/L^2]
-      real(dp), contiguous, intent(in) :: weights(:, :) !! shape functions (points, corners) [-]
-      real(dp) :: squares(2)
-      integer, parameter :: n_points = n_fine_points(tri3)
-      real(dp) :: x(2, 3), position(2, n_points), smooth(n_strains, n_points), volume
-      integer :: i, point
-
-      do i = 1, 3
-         x(:, i) = mesh%coordinates(:, mesh%node(mesh%node_start(element) - 1 + i))
-      end do
-      do point = 1, n_points
-         position(:, point) = weights(point, 1)*x(:, 1) + weights(point, 2)*x(:, 2) + weights(point, 3)*x(:, 3)
-      end do
-      call find_recovered(smooth, mesh, element, patches, coefficient, n_points, position, weights)
-      volume = 0.5_dp*material%thickness &
-         *((x(1, 2) - x(1, 1))*(x(2, 3) - x(2, 1)) - (x(2, 2) - x(2, 1))*(x(1, 3) - x(1, 1)))
-      squares = [0.0_dp, volume*material%squared_norm(stress)]
-      do point = 1, n_points
-         squares(1) = squares(1) + volume/n_points*material%squared_norm(smooth(:, point) - stress)
-      end do
-   end function triangle_squared_norms
 
    !> Integrals like those of `element_squared_norms` over a four-node quadrilateral of a plane body, for its four
    !> points at once: ten times as fast as the general procedure [F L].

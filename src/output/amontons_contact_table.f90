@@ -114,20 +114,19 @@ contains
       end do
    end function master_line_forces
 
-   !> The rows of the contact points without the nodes of their masters, or the rows with these alone. With a rigid
+   !> The rows of the contact points with nothing on the nodes of their masters, or on these alone. With a rigid
    !> obstacle all nodes belong to the slave.
    pure function side_rows(zone, of_master) result(rows)
       type(contact_zone_t), intent(in) :: zone !! the contact points
       logical, intent(in) :: of_master !! whether the nodes of the masters are wanted
       type(contact_rows_t) :: rows
-      logical :: is_wanted(size(zone%rows%node)), is_master(0:maxval([0, zone%rows%node]))
+      logical :: is_master(0:maxval([0, zone%rows%node]))
       integer :: p, i, set
 
-      allocate (rows%start(zone%n_points + 1), source=1)
+      rows = zone%rows
       set = 0
       do p = 1, zone%n_points
-         associate (master => zone%pairs(zone%set(p))%master, &
-            nodes => zone%rows%node(zone%rows%start(p):zone%rows%start(p + 1) - 1))
+         associate (master => zone%pairs(zone%set(p))%master)
             if (zone%set(p) /= set) then
                set = zone%set(p)
                is_master = .false.
@@ -138,12 +137,11 @@ contains
                   end associate
                end do
             end if
-            is_wanted(zone%rows%start(p):zone%rows%start(p + 1) - 1) = is_master(nodes) .eqv. of_master
-            rows%start(p + 1) = rows%start(p) + count(is_wanted(zone%rows%start(p):zone%rows%start(p + 1) - 1))
          end associate
+         do i = rows%start(p), rows%start(p + 1) - 1
+            if (is_master(rows%node(i)) .neqv. of_master) rows%block(:, :, i) = 0.0_dp
+         end do
       end do
-      rows%node = pack(zone%rows%node, is_wanted)
-      rows%block = zone%rows%block(:, :, pack([(i, i=1, size(is_wanted))], is_wanted))
    end function side_rows
 
    !=contact.csv `point` | | number of the point, from 1
