@@ -15,6 +15,7 @@ module amontons_result
    use amontons_load_family, only: load_case_t
    use amontons_loads, only: add_point_forces, load_on_nodes
    use amontons_methods, only: method_options_t
+   use amontons_pose, only: pose_t
    use amontons_quantity, only: quantity_t
    use amontons_rounding, only: result_rounding
    use amontons_stress_field, only: error_estimate_t, stress_field_t
@@ -93,6 +94,7 @@ module amontons_result
       type(method_options_t) :: method !! the contact method and its options
       type(load_case_t) :: load_case !! loads, prescribed displacements, obstacles and friction
       real(dp), allocatable :: displacement(:, :) !! displacement of all nodes (components, n_nodes) [L]
+      type(pose_t), allocatable :: poses(:) !! poses of the pieces that turn far; not allocated without them
       type(stress_field_t) :: stress !! stresses of the body, of the displacements
       type(certificate_t) :: certificate !! violations on the full model
       type(warning_list_t) :: warnings !! warnings on the model and the result

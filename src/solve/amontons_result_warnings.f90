@@ -14,6 +14,7 @@ module amontons_result_warnings
    use amontons_load_family, only: load_case_t
    use amontons_mesh, only: mesh_t
    use amontons_model_warnings, only: percent
+   use amontons_pose, only: elastic_part
    use amontons_result, only: result_t
    use amontons_rounding, only: exceeds, result_rounding
    use amontons_text, only: counted, vector_text, to_text
@@ -75,7 +76,12 @@ contains
 
       call add_conditioning(result, body)
       if (.not. result%solution%is_converged) return
-      call add_size_warnings(result%warnings, body, result%displacement)
+      if (allocated(result%poses)) then
+         call add_size_warnings(result%warnings, body, elastic_part(body%turning, result%poses, body%mesh%coordinates, &
+            result%displacement))
+      else
+         call add_size_warnings(result%warnings, body, result%displacement)
+      end if
       reached = body%free_boundary%reached_ends(result%load_case%contacts, body%mesh%coordinates, &
          result%load_case%gap, result%solution%status)
       call add_reached_ends(result, body, reached)
@@ -406,7 +412,8 @@ contains
    pure subroutine add_size_warnings(warnings, body, displacement)
       type(warning_list_t), intent(inout) :: warnings !! gains the warnings
       type(body_t), intent(in) :: body !! the body
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :)
+         !! displacement of the nodes, elastic where pieces turn far (components, n_nodes) [L]
       real(dp) :: strain, turn, largest
       integer :: node, at
 

@@ -21,9 +21,10 @@ module amontons_sliding
    use amontons_error, only: error_t, input_refused, new_error, no_equilibrium, numerical_failure
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
-   use amontons_load_family, only: acting_t, load_case_t, load_family_t, obstacle_motion_t, out_of_reach
+   use amontons_load_family, only: acting_t, load_case_t, load_family_t, out_of_reach
    use amontons_methods, only: solve_components
    use amontons_moved_zone, only: move_zone
+   use amontons_pose, only: elastic_part, pose_t, stated_poses, turning_piece_t, whole_displacement
    use amontons_rounding, only: difference_rounding, exceeds
    use amontons_surface, only: meet_master, meeting_t
    use amontons_text, only: place_text, short_text
@@ -44,14 +45,19 @@ module amontons_sliding
 
    !> The nodes of the contact sets at a time.
    type :: placement_t
-      real(dp), allocatable :: base(:, :)
+      real(dp), allocatable :: prescribed(:, :)
          !! what supports prescribe, 0 at nodes of no contact set (components, n_nodes) [L]
-      real(dp), allocatable :: v(:) !! displacements of the retained points beside it (retained rows) [L]
+      real(dp), allocatable :: v(:)
+         !! displacements of the retained points beside it, in the frames of pieces that turn (retained rows) [L]
+      type(pose_t), allocatable :: poses(:) !! the poses of these pieces
+      real(dp), allocatable :: base(:, :) !! displacements of the nodes with v = 0 (components, n_nodes) [L]
+      real(dp), allocatable :: elastic(:, :)
+         !! displacements in the frames of pieces, 0 at other nodes; where pieces turn (components, n_nodes) [L]
       real(dp), allocatable :: moved(:, :) !! displacements of the nodes, 0 at others (components, n_nodes) [L]
       real(dp), allocatable :: place(:, :) !! their places (n_dim, n_nodes) [L]
    contains
+      procedure :: begin => placement_begin
       procedure :: set => placement_set
-      procedure :: set_base => placement_set_base
    end type placement_t
 
    !> The rows C of the points within reach, on the displacements of the retained points.
@@ -69,6 +75,7 @@ module amontons_sliding
    !> Where a step begins: what acted then, and the displacements and contact forces of the retained points.
    type, extends(acting_t) :: beginning_t
       real(dp), allocatable :: retained(:, :) !! as of `contact_solution_t` (retained rows, 2) [L], [F]
+      real(dp), allocatable :: posed(:, :) !! as of `contact_solution_t` (6, pieces)
    end type beginning_t
 
    !> A search for the places of a step.
@@ -77,7 +84,8 @@ module amontons_sliding
       type(near_rows_t) :: rows !! the rows of the points within reach
       real(dp), allocatable :: gap(:) !! the gaps of all points there (m) [L]
       real(dp), allocatable :: force(:) !! contact forces on the retained points (retained rows) [F]
-      real(dp) :: change = 0.0_dp !! largest change of a displacement of a retained point [L]
+      real(dp), allocatable :: travel(:, :) !! the motions that supports leave free, from `find_travel`
+      integer, allocatable :: component(:, :) !! of which piece and which of its motions each of them is, 0 else (2, any)
       real(dp) :: strain = 0.0_dp !! largest displacement by contact forces, by loads without them [L]
    end type search_t
 
@@ -97,10 +105,10 @@ contains
       type(search_t) :: search
       type(contact_solution_t) :: found
       type(contact_t), allocatable :: contacts(:)
-      real(dp), allocatable :: old_frame(:, :, :), extra(:)
+      real(dp), allocatable :: old_frame(:, :, :), extra(:), before_search(:, :), forces(:, :)
       real(dp) :: reach
       logical :: is_near(body%zone%n_points), is_settled
-      integer :: i, m
+      integer :: i, k, m
 
       m = body%zone%n_points
       allocate (search%force(body%retained%n_rows), search%gap(m), source=0.0_dp)
@@ -111,9 +119,10 @@ contains
          last%v = before%retained(:, 1)
          search%force = before%retained(:, 2)
       end if
-      call last%set_base(body, loads, before)
+      call last%begin(body, loads, before)
+      if (present(before)) last%poses = stated_poses(body%turning, before%posed)
       call last%set(body)
-      call move_zone(body%zone, contacts, last%place, search%gap, is_near, .false.)
+      call move_points(body, contacts, last, search%gap, is_near, .false.)
       old_frame = body%zone%frame
       contacts = loads%contacts_of(acting)
       extra = loads%base%extra_gap
@@ -124,32 +133,46 @@ contains
       reach = 2.0_dp*reach
       ! The search begins with the forces of the step before.
       associate (now => search%now)
-         call now%set_base(body, loads, acting)
+         now%poses = last%poses
+         call now%begin(body, loads, acting)
          now%v = last%v
          call symmetric_multiply(body%flexibility, problem%load - search%force, now%v)
+         ! Its free motions are those of the step before.
          now%v = now%v + matmul(body%travel, matmul(last%v - now%v, body%travel))
          found = solution
          call solution%reset()
+         call now%set(body)
          do i = 1, n_searches
-            call now%set(body)
-            call move_zone(body%zone, contacts, now%place, search%gap, is_near, i > n_choices)
+            call find_travel(search%travel, search%component, body, now)
+            before_search = now%moved
+            call move_points(body, contacts, now, search%gap, is_near, i > n_choices)
             search%gap = search%gap + extra
             call set_anchors(acting, body%zone, body%mesh%coordinates, last, old_frame, before)
             call new_near_rows(search%rows, body, now, is_near .and. search%gap <= reach)
             call solve_near(found, search, body, loads, method, acting, problem, error)
             if (allocated(error)) return
+            call now%set(body, may_refit=.true.)
             call found%prepend(solution)
             solution = found
             ! Places have the rounding of coordinates.
-            is_settled = search%change <= max(settled*search%strain, difference_rounding*body%size)
+            is_settled = maxval(abs(now%moved - before_search)) <= max(settled*search%strain, &
+               difference_rounding*maxval([body%size, abs(now%moved)]))
             if (.not. found%is_converged .or. is_settled) exit
          end do
-         call now%set(body)
          solution%is_converged = solution%is_converged .and. is_settled
          solution%displacement = body%zone%rows%displacement(now%moved)
          acting%gap = merge(search%gap + solution%displacement(:m), out_of_reach*body%size, is_near)
          acting%is_in_reach = is_near
          solution%retained = reshape([now%v, search%force], [size(now%v), 2])
+         allocate (forces, mold=now%moved)
+         forces = 0.0_dp
+         do i = 1, body%retained%n_points
+            forces(:, body%retained%node(i)) = matmul(body%retained%frame(:, :, i), &
+               search%force(i::body%retained%n_points))
+         end do
+         solution%posed = reshape([([now%poses(i)%shift(:2), now%poses(i)%turn, &
+            (sum(forces*body%turning(i)%unit_motion(now%poses(i), k, body%mesh%coordinates, now%elastic)), &
+            k=1, 3)], i=1, size(now%poses))], [6, size(now%poses)])
       end associate
       if (solution%is_converged) call check_ends(body, contacts, solution, error)
       if (solution%is_converged .and. .not. allocated(error)) call check_passage(body, contacts, is_near, &
@@ -219,6 +242,35 @@ contains
       end do
    end subroutine check_passage
 
+   !> Moves the contact points to the places of their nodes. Those on rigid obstacles look for them along the normals at
+   !> rest, turned with their pieces.
+   subroutine move_points(body, contacts, now, gap, is_near, keeps_carriers)
+      type(body_t), intent(inout) :: body !! the body; its contact points are moved
+      type(contact_t), intent(in) :: contacts(:) !! the contact sets, their obstacles where they are now
+      type(placement_t), intent(in) :: now !! the places of the nodes
+      real(dp), intent(out) :: gap(:) !! the gaps there, without extra gaps (m) [L]
+      logical, intent(out) :: is_near(:) !! whether a point faces what it may touch (m)
+      logical, intent(in) :: keeps_carriers !! whether the same points of pairs as before carry the hats
+      integer :: axis, i, k, p
+
+      associate (zone => body%zone, rest => body%zone_at_rest)
+         do p = 1, merge(zone%n_points, 0, size(body%turning) > 0)
+            if (zone%pairs(zone%set(p))%is_set()) cycle
+            i = zone%rows%start(p)
+            k = findloc([(any(body%turning(k)%node == zone%rows%node(i)), k=1, size(body%turning))], .true., dim=1)
+            if (k == 0) cycle
+            do axis = 1, 2
+               zone%frame(:, axis, p) = now%poses(k)%rotated(rest%frame(:, axis, p), is_back=.false.)
+               do i = 0, zone%rows%start(p + 1) - zone%rows%start(p) - 1
+                  zone%rows%block(:, axis, zone%rows%start(p) + i) = now%poses(k)%rotated(rest%rows%block(:, axis, &
+                     rest%rows%start(p) + i), is_back=.false.)
+               end do
+            end do
+         end do
+      end associate
+      call move_zone(body%zone, contacts, now%place, gap, is_near, keeps_carriers)
+   end subroutine move_points
+
    !> Puts the contact points of a body where a solution has them.
    subroutine take_places(body, loads, acting, solution)
       type(body_t), intent(inout) :: body !! the body
@@ -229,10 +281,11 @@ contains
       real(dp) :: gap(body%zone%n_points)
       logical :: is_near(body%zone%n_points)
 
-      call now%set_base(body, loads, acting)
+      call now%begin(body, loads, acting)
+      now%poses = stated_poses(body%turning, solution%posed)
       now%v = solution%retained(:, 1)
       call now%set(body)
-      call move_zone(body%zone, loads%contacts_of(acting), now%place, gap, is_near, .false.)
+      call move_points(body, loads%contacts_of(acting), now, gap, is_near, .false.)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
    end subroutine take_places
 
@@ -241,16 +294,18 @@ contains
       type(load_case_t), intent(inout) :: load_case !! the load case; gains gaps and anchors
       type(body_t), intent(inout) :: body !! the body, its points at rest
       real(dp), intent(in) :: displacement(:, :) !! displacements of all nodes (components, n_nodes) [L]
-      type(placement_t) :: rest
+      type(placement_t) :: now, rest
       type(acting_t) :: acting
       real(dp), allocatable :: frame(:, :, :), normal(:)
       real(dp) :: gap(body%zone%n_points)
+      integer :: k
 
       frame = body%zone%frame
       rest%place = body%mesh%coordinates
       rest%moved = 0.0_dp*displacement
-      call move_zone(body%zone, load_case%contacts, rest%place + displacement(:size(rest%place, 1), :), gap, &
-         load_case%is_in_reach, .false.)
+      now%place = rest%place + displacement(:size(rest%place, 1), :)
+      now%poses = [(body%turning(k)%pose(rest%place, displacement, 0.0_dp), k=1, size(body%turning))]
+      call move_points(body, load_case%contacts, now, gap, load_case%is_in_reach, .false.)
       call recompute_pairs(body%checked_rows, body%gap_change, body%zone)
       acting%anchor = load_case%anchor
       acting%motion = load_case%obstacle_motion
@@ -276,50 +331,138 @@ contains
       end associate
    end function unbalanced_share
 
-   !> Sets what supports prescribe at the nodes of the contact sets. Tangential displacements of retained points include
-   !> it.
-   pure subroutine placement_set_base(self, body, loads, acting)
-      class(placement_t), intent(inout) :: self !! the nodes
+   !> Sets what supports prescribe: displacements of the nodes of the contact sets, and motions of rigid sets that turn.
+   !> Tangential displacements of retained points include it.
+   pure subroutine placement_begin(self, body, loads, acting)
+      class(placement_t), intent(inout) :: self !! the nodes; poses are kept as far as they are not prescribed
       type(body_t), intent(in) :: body !! the body
       type(load_family_t), intent(in) :: loads !! the family of loads
       class(acting_t), intent(in), optional :: acting !! the member; nothing is prescribed if it is absent
-      integer :: i, k
+      real(dp) :: value(3)
+      integer :: axis, i, k
 
-      allocate (self%base(size(body%constraints%is_free, 1), body%mesh%n_nodes), source=0.0_dp)
-      self%moved = self%base
+      allocate (self%prescribed(size(body%constraints%is_free, 1), body%mesh%n_nodes), source=0.0_dp)
+      self%base = self%prescribed
+      self%moved = self%prescribed
       self%place = body%mesh%coordinates
+      if (.not. allocated(self%poses)) then
+         allocate (self%poses(size(body%turning)))
+         do k = 1, size(self%poses)
+            self%poses(k)%pivot = body%turning(k)%point
+         end do
+      end if
       if (.not. present(acting)) return
+      do k = 1, count(body%turning%rigid > 0)
+         value = [(dot_product(acting%factor, [(loads%parts(i)%posed(axis, k), i=1, size(loads%parts))]), axis=1, 3)]
+         associate (pose => self%poses(k), is_held => body%turning(k)%is_held)
+            pose%shift(:2) = merge(value(:2), pose%shift(:2), is_held(:2))
+            pose%turn = merge(value(3), pose%turn, is_held(3))
+         end associate
+      end do
       do i = 1, size(body%contact_node)
          associate (node => body%contact_node(i))
             do k = 1, size(loads%parts)
-               self%base(:, node) = self%base(:, node) + acting%factor(k)*loads%parts(k)%prescribed(:, node)
+               self%prescribed(:, node) = self%prescribed(:, node) + acting%factor(k)*loads%parts(k)%prescribed(:, node)
             end do
          end associate
       end do
       do i = 1, body%retained%n_points
-         associate (frame => body%retained%frame(:, 2:, i), base => self%base(:, body%retained%node(i)), &
+         associate (frame => body%retained%frame(:, 2:, i), base => self%prescribed(:, body%retained%node(i)), &
             is_fixed => body%retained%is_fixed(:, i))
             base = base - matmul(frame, merge(0.0_dp, matmul(base, frame), is_fixed))
          end associate
       end do
-   end subroutine placement_set_base
+   end subroutine placement_begin
 
-   !> Sets displacements and places from those of the retained points.
-   pure subroutine placement_set(self, body)
+   !> Sets displacements and places from poses and the displacements of the retained points.
+   pure subroutine placement_set(self, body, may_refit)
       class(placement_t), intent(inout) :: self !! the nodes
       type(body_t), intent(in) :: body !! the body
-      integer :: i
+      logical, intent(in), optional :: may_refit
+         !! whether pieces without a rigid set get the poses of their places anew, which leave no rigid part in v
+      integer :: i, k
 
       associate (retained => body%retained, x => body%mesh%coordinates)
-         self%moved(:, body%contact_node) = self%base(:, body%contact_node)
+         if (size(body%turning) > 0) self%moved = self%prescribed
+         self%moved(:, body%contact_node) = self%prescribed(:, body%contact_node)
          do i = 1, retained%n_points
             associate (node => retained%node(i))
                self%moved(:, node) = self%moved(:, node) + matmul(retained%frame(:, :, i), self%v(i::retained%n_points))
             end associate
          end do
+         self%base(:, body%contact_node) = self%prescribed(:, body%contact_node)
+         if (size(body%turning) > 0) then
+            self%elastic = self%moved
+            self%moved = whole_displacement(body%turning, self%poses, x, self%elastic)
+            if (present(may_refit)) then
+               do k = 1, size(self%poses)
+                  if (body%turning(k)%rigid == 0) self%poses(k) = body%turning(k)%pose(x, self%moved, &
+                     self%poses(k)%turn)
+               end do
+               self%elastic = elastic_part(body%turning, self%poses, x, self%moved)
+               do i = 1, retained%n_points
+                  associate (node => retained%node(i))
+                     self%v(i::retained%n_points) = matmul(self%elastic(:, node) - self%prescribed(:, node), &
+                        retained%frame(:, :, i))
+                  end associate
+               end do
+            end if
+            self%base = whole_displacement(body%turning, self%poses, x, self%prescribed)
+         end if
          self%place(:, body%contact_node) = x(:, body%contact_node) + self%moved(:size(x, 1), body%contact_node)
       end associate
    end subroutine placement_set
+
+   !> Finds the motions that supports leave free: those of pieces that turn little, and shifts along x and y and turns
+   !> about their points of those that turn far, in the frame of the piece.
+   pure subroutine find_travel(travel, component, body, now)
+      real(dp), allocatable, intent(out) :: travel(:, :) !! displacements of the retained points (retained rows, any) [-]
+      integer, allocatable, intent(out) :: component(:, :)
+         !! of which piece that turns and which of its motions each of them is; 0 for the others (2, any)
+      type(body_t), intent(in) :: body !! the body
+      type(placement_t), intent(in) :: now !! the poses
+      real(dp) :: field(size(body%constraints%is_free, 1), body%mesh%n_nodes), column(size(body%travel, 1))
+      integer :: axis, i, k
+
+      if (size(body%turning) == 0) then
+         travel = body%travel
+         allocate (component(2, size(travel, 2)), source=0)
+         return
+      end if
+      allocate (component(2, 0), travel(size(body%travel, 1), 0))
+      associate (retained => body%retained)
+         do i = 1, size(body%travel, 2)
+            if (any([(maxval(abs(body%travel(:, i)), mask=is_of(body%turning(k))) > 0.0_dp, &
+               k=1, size(body%turning))])) cycle
+            travel = reshape([travel, body%travel(:, i)], [size(column), size(travel, 2) + 1])
+            component = reshape([component, 0, 0], shape(component) + [0, 1])
+         end do
+         do k = 1, size(body%turning)
+            do axis = 1, 3
+               if (body%turning(k)%is_held(axis)) cycle
+               field = body%turning(k)%unit_motion(now%poses(k), axis, body%mesh%coordinates, now%elastic)
+               do i = 1, retained%n_points
+                  column(i::retained%n_points) = matmul(field(:, retained%node(i)), retained%frame(:, :, i))
+               end do
+               travel = reshape([travel, column], [size(column), size(travel, 2) + 1])
+               component = reshape([component, k, axis], shape(component) + [0, 1])
+            end do
+         end do
+      end associate
+
+   contains
+
+      !> Which retained rows are of a piece.
+      pure function is_of(piece)
+         type(turning_piece_t), intent(in) :: piece !! the piece
+         logical :: is_of(size(body%travel, 1)), is_here(body%mesh%n_nodes)
+
+         is_here = .false.
+         is_here(piece%node) = .true.
+         is_of = [spread(is_here(body%retained%node), 2, 1 + body%retained%n_tangents)]
+      end function is_of
+
+   end subroutine find_travel
 
    !> Sets the tangential displacements that slips count from: relative places at the beginning of the step, each along
    !> the tangents there, so that a common motion is no slip; and the ways of rigid obstacles since rest.
@@ -331,7 +474,7 @@ contains
       real(dp), intent(in) :: old_frame(:, :, :) !! the frames of the points there (n_dim, n_dim, m) [-]
       type(beginning_t), intent(in), optional :: begin !! what acted then; nothing if it is absent
       real(dp), dimension(size(coordinates, 1)) :: origin, way, anchor, motion
-      type(obstacle_motion_t) :: moved, before
+      type(pose_t) :: moved, before
       integer :: i, k, p
 
       acting%way = spread(0.0_dp, 1, zone%n_rows)
@@ -339,11 +482,11 @@ contains
          anchor = 0.0_dp
          motion = 0.0_dp
          if (.not. zone%pairs(zone%set(p))%is_set()) then
-            before = obstacle_motion_t()
+            before = pose_t()
             if (present(begin)) then
                if (allocated(begin%motions)) before = begin%motions(zone%set(p))
             end if
-            moved = obstacle_motion_t()
+            moved = pose_t()
             if (allocated(acting%motions)) moved = acting%motions(zone%set(p))
          end if
          do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
@@ -374,10 +517,16 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(placement_t), intent(in) :: now !! the nodes, for what supports prescribe
       logical, intent(in) :: is_near(:) !! the points (m)
-      integer :: retained_of(body%mesh%n_nodes), n, near, r, i, j, k, p
+      real(dp) :: row(size(body%zone%frame, 1))
+      integer, dimension(body%mesh%n_nodes) :: retained_of, piece_of
+      integer :: n, near, r, i, j, k, p
 
       associate (zone => body%zone, retained => body%retained)
          retained_of(body%contact_node) = 0
+         piece_of(body%contact_node) = 0
+         do k = 1, size(body%turning)
+            piece_of(body%turning(k)%node) = k
+         end do
          retained_of(retained%node) = [(i, i=1, retained%n_points)]
          rows%point = pack([(p, p=1, zone%n_points)], is_near)
          near = size(rows%point)
@@ -392,9 +541,11 @@ contains
             do r = 1, near
                p = rows%point(r)
                do i = zone%rows%start(p), zone%rows%start(p + 1) - 1
-                  associate (node => zone%rows%node(i), row => zone%rows%block(:, k, i), at => r + (k - 1)*near)
+                  associate (node => zone%rows%node(i), at => r + (k - 1)*near)
+                     row = zone%rows%block(:, k, i)
                      rows%base(at) = rows%base(at) + dot_product(row, now%base(:, node))
                      if (retained_of(node) == 0) cycle
+                     if (piece_of(node) > 0) row = now%poses(piece_of(node))%rotated(row, is_back=.true.)
                      do j = 0, retained%n_tangents
                         if (j > 0) then
                            if (retained%is_fixed(j, retained_of(node))) cycle
@@ -471,15 +622,22 @@ contains
       real(dp), allocatable :: flexible(:, :), stiffness(:, :), g(:, :), x(:, :), h(:, :), soft(:), &
          free(:), w_free(:), w(:), v(:), b(:), motion(:)
       integer, allocatable :: places(:)
-      integer :: i, k, m, n, r, info
+      logical, allocatable :: is_of_set(:)
+      integer :: i, k, m, n, n_sets, r, info
 
-      associate (rows => search%rows, force => search%force)
+      n_sets = count(body%turning%rigid > 0)
+      associate (rows => search%rows, force => search%force, travel => search%travel)
          m = size(search%gap)
          n = size(rows%point)
          r = size(rows%base)
-         allocate (flexible(size(force), r), stiffness(r, r), free(size(force)), g(r, size(body%travel, 2)))
+         allocate (flexible(size(force), r), stiffness(r, r), free(size(force)), g(r, size(travel, 2)))
          call symmetric_multiply(body%flexibility, problem%load, free)
-         motion = matmul(problem%load, body%travel)
+         motion = matmul(problem%load, travel)
+         is_of_set = [(any(search%component(1, k) == [(i, i=1, n_sets)]), k=1, size(motion))]
+         do k = 1, size(motion)
+            if (is_of_set(k)) motion(k) = dot_product(acting%factor, [(loads%parts(i)%driven(body%turning( &
+               search%component(1, k))%driven(search%component(2, k))), i=1, size(loads%parts))])
+         end do
          do i = 1, r
             flexible(:, i) = 0.0_dp
             do k = rows%start(i), rows%start(i + 1) - 1
@@ -490,7 +648,7 @@ contains
             stiffness(:, i) = rows%multiply(flexible(:, i))
          end do
          do k = 1, size(g, 2)
-            g(:, k) = merge(0.0_dp, rows%multiply(body%travel(:, k)), rows%is_fixed)
+            g(:, k) = merge(0.0_dp, rows%multiply(travel(:, k)), rows%is_fixed)
          end do
          w_free = merge(0.0_dp, rows%multiply(free), rows%is_fixed)
          w = merge(0.0_dp, rows%multiply(search%now%v), rows%is_fixed)
@@ -528,7 +686,7 @@ contains
             near%force = found%force(places)
             near%status = found%status(rows%point)
             v = matmul(stiffness, w_free) + matmul(motion, g)
-            call new_stiffness_operator(matrix, stiffness, size(body%travel, 2) == 0, body%zone%n_tangents)
+            call new_stiffness_operator(matrix, stiffness, size(travel, 2) == 0, body%zone%n_tangents)
             call new_contact_problem(small, matrix)
             small%load = v
             small%gap = search%gap(rows%point) + w(:n)
@@ -545,9 +703,16 @@ contains
          v = matmul(flexible, near%force)
          search%strain = maxval(abs(v))
          if (.not. search%strain > 0.0_dp) search%strain = maxval(abs(free))
-         v = free - v + matmul(body%travel, b + matmul(g, near%displacement - soft*near%force - w_free))
-         search%change = maxval(abs(v - search%now%v))
-         search%now%v = v
+         b = b + matmul(g, near%displacement - soft*near%force - w_free)
+         search%now%v = free - v + matmul(travel, merge(0.0_dp, b, is_of_set))
+         ! In the frame of its piece a rigid set is at rest.
+         do k = 1, size(b)
+            if (.not. is_of_set(k)) cycle
+            associate (pose => search%now%poses(search%component(1, k)), axis => search%component(2, k))
+               if (axis < 3) pose%shift(axis) = pose%shift(axis) + b(k)
+               if (axis == 3) pose%turn = pose%turn + b(k)
+            end associate
+         end do
          search%force = 0.0_dp
          do i = 1, r
             if (rows%is_fixed(i)) cycle

@@ -30,6 +30,7 @@ module amontons_solve_case
    use amontons_mesh_file, only: new_mesh
    use amontons_methods, only: method_options_t
    use amontons_model_warnings, only: add_model_warnings
+   use amontons_pose, only: elastic_part, pose_t, stated_poses, turn_back, turn_forth, whole_displacement
    use amontons_recovery_tables, only: known_tractions_t, new_recovery_tables, recovery_tables_t
    use amontons_result, only: depth_worn, factor_t, outcome_no_equilibrium, outcome_numbers, result_t
    use amontons_result_warnings, only: add_result_warnings
@@ -320,6 +321,8 @@ contains
 
       call recover_with_travel(result%displacement, body, result%load_case, result%solution%body_displacement(), &
          result%solution%body_force())
+      if (size(body%turning) > 0) result%displacement = whole_displacement(body%turning, stated_poses(body%turning, &
+         result%solution%posed), body%mesh%coordinates, result%displacement)
       call evaluate(result, body)
       if (.not. (all(ieee_is_finite(result%displacement)) .and. result%certificate%is_finite())) then
          call new_error(error, numerical_failure, 'displacements, forces or energies leave the range of double '// &
@@ -350,12 +353,34 @@ contains
       type(result_t), intent(inout) :: result !! the result: load case, solution and displacements of all nodes
       type(body_t), intent(in) :: body !! the body
       type(contact_results_t) :: at_points
+      real(dp), allocatable :: elastic(:, :), whole(:, :)
+      integer :: k
 
+      if (allocated(result%poses)) deallocate (result%poses)
+      if (size(body%turning) > 0) then
+         result%poses = [(body%turning(k)%pose(body%mesh%coordinates, result%displacement, &
+            sum(result%load_case%posed(3, k:min(k, size(result%load_case%posed, 2))))), k=1, size(body%turning))]
+         whole = result%displacement
+         result%displacement = elastic_part(body%turning, result%poses, body%mesh%coordinates, whole)
+      end if
+      call move_alloc(result%displacement, elastic)
       associate (solution => result%solution)
-         call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, result%displacement, &
+         call new_stress_field(result%stress, body%mesh, body%materials, body%coloring, elastic, &
             result%load_case%element_load)
-         call new_certificate(result%certificate, body, result%load_case, result%displacement, solution%force, &
-            result%stress%force)
+         call new_certificate(result%certificate, body, result%load_case, elastic, solution%force, &
+            result%stress%force, result%poses)
+         if (result%wants_error_estimate) then
+            if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)
+            call estimate_error(result%error_estimate, body, result%load_case, elastic, solution%force, result%poses)
+         end if
+         if (allocated(whole)) then
+            call turn_forth(body%turning, result%poses, [(k, k=1, body%mesh%n_nodes)], result%stress%node)
+            call turn_forth(body%turning, result%poses, body%mesh%node(body%mesh%node_start(:body%mesh%n_elements)), &
+               result%stress%element)
+            call move_alloc(whole, result%displacement)
+         else
+            call move_alloc(elastic, result%displacement)
+         end if
          ! They are not needed any more, and the following part of a run takes most memory.
          deallocate (result%stress%force)
          call new_contact_results(at_points, body, solution, result%load_case%slip_bound + result%load_case%friction &
@@ -371,10 +396,6 @@ contains
          ! The listing has the forces by name, the last ones, in a section of their own.
          result%key_results = [result%key_results, result%certificate%named]
       end associate
-      if (result%wants_error_estimate) then
-         if (.not. allocated(result%error_estimate)) allocate (result%error_estimate)
-         call estimate_error(result%error_estimate, body, result%load_case, result%displacement, result%solution%force)
-      end if
    end subroutine evaluate
 
    !> Solves a body made in code, with supports, contact sets and loads as arguments. The body is factorized by the
@@ -433,12 +454,14 @@ contains
    end subroutine prepare_estimates
 
    !> Estimates the error of the stresses of a load case's solution, with the tables of the body if it has them.
-   subroutine estimate_error(estimate, body, load_case, displacement, force)
+   subroutine estimate_error(estimate, body, load_case, displacement, force, poses)
       type(error_estimate_t), intent(out) :: estimate !! the estimate
       type(body_t), intent(in), target :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads
-      real(dp), contiguous, intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp), contiguous, intent(in) :: displacement(:, :)
+         !! displacement of the nodes, elastic where pieces turn far (components, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
+      type(pose_t), intent(in), optional :: poses(:) !! poses of the pieces that turn far; there are none without them
       type(recovery_tables_t), allocatable, target :: own
       type(recovery_tables_t), pointer :: tables
       type(known_tractions_t) :: tractions
@@ -453,7 +476,7 @@ contains
       end if
       tractions = tables%sides
       call tractions%add_loads(body%mesh, load_case%loads, load_case%factor)
-      call set_contact_tractions(tractions, body, load_case, force)
+      call set_contact_tractions(tractions, body, load_case, force, poses)
       call new_recovered_stress(recovered, tables%patches, body%mesh, body%materials, tractions%side, &
          displacement, load_case%element_load)
       call new_error_estimate(estimate, body%mesh, body%materials, displacement, tables%patches, recovered, &
@@ -462,11 +485,12 @@ contains
 
    !> Sets the tractions on the sides of the contact sets: the forces of the points of each set on its nodes, over their
    !> areas. The tractions on masters and ties are not known side by side.
-   subroutine set_contact_tractions(tractions, body, load_case, force)
+   subroutine set_contact_tractions(tractions, body, load_case, force, poses)
       type(known_tractions_t), intent(inout) :: tractions !! the sides of the boundary
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its contact sets
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
+      type(pose_t), intent(in), optional :: poses(:) !! poses of the pieces that turn far
       real(dp), allocatable :: traction(:, :), area(:)
       logical :: is_joined(body%mesh%n_nodes), is_meant(body%zone%n_points)
       integer, allocatable :: place(:)
@@ -479,6 +503,7 @@ contains
          is_meant(pack(body%zone%passed_point(2, :), body%zone%passed_point(1, :) == i)) = .true.
          traction = body%zone%rows%forces(merge(force, 0.0_dp, [(is_meant, k=0, body%zone%n_tangents)]), &
             body%mesh%n_nodes)
+         if (present(poses)) call turn_back(body%turning, poses, traction)
          area = norm2(body%zone%rows%forces([merge(body%zone%area, 0.0_dp, is_meant), 0.0_dp*force], &
             body%mesh%n_nodes), dim=1)
          ! The contact zone was made of these patches, so they are sound.

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Contact that slides far: `sliding = 'finite'`."""
+import math
 import unittest
 
+from harness import read_vtu
 from histories import BAR, HistoryTest
 
 # A short block on a long one, sides that do not match.
@@ -146,9 +148,11 @@ class Sliding(HistoryTest):
         self.assertEqual(self.files(), ["blocks.nml"])
 
     def test_bodies_that_turn_are_warned_of(self):
+        # A spring of its own keeps the foot from having a frame of its own.
         text = BLOCKS.replace("&support name = 'down'  set = 'foot.top'  uy = -0.004 /\n&support name = 'along'"
                               "  set = 'foot.top'  ux = 1.0 /",
-                              "&rigid name = 'grip'  set = 'foot.top'  ux = 0.0  uy = 0.0  turn = 0.08 /")
+                              "&rigid name = 'grip'  set = 'foot.top'  ux = 0.0  uy = 0.0  turn = 0.08 /\n"
+                              "&support set = 'foot.right'  spring_n = 1e-3 /")
         self.walk(text)
         self.assertRegex(self.text("blocks.lst"), "a turn of 0.0[78].* rad: with sliding = 'finite' bodies move")
 
@@ -156,6 +160,99 @@ class Sliding(HistoryTest):
         far = BLOCKS.replace("uy = -0.004", "uy = -0.8")
         run = self.walk(far, status=2)
         self.assertRegex(run.stderr, "'foot.bottom' passes through 'floor.top' at .* in one step of .*: take shorter")
+
+
+def turned_together(turn):
+    """A deck of two blocks that overlap a little, each on a rigid set, which both turn about a common point."""
+    return BLOCKS.replace("origin = 0.35, 1.0", "origin = 0.35, 0.996").replace("'blocks'", "'turned'").replace(
+        """&support name = 'down'  set = 'foot.top'  uy = -0.004 /
+&support name = 'along'  set = 'foot.top'  ux = 1.0 /
+&support name = 'floor'  set = 'floor.bottom'  ux = 0.0  uy = 0.0 /
+""", f"""&rigid name = 'foot'  set = 'foot.top'  ux = 0.0  uy = 0.0  turn = {turn}  point = 0.0, 0.0 /
+&rigid name = 'floor'  set = 'floor.bottom'  ux = 0.0  uy = 0.0  turn = {turn}  point = 0.0, 0.0 /
+""") + """&history times = 0.0, 1.0  substeps = 3 /
+&steps support = 'foot'  factor = 0.0, 1.0 /
+&steps support = 'floor'  factor = 0.0, 1.0 /
+&output probe = 0.35, 0.996  fields_every = 4 /
+"""
+
+
+# A square on a rigid floor, held by a rigid set on one of its sides.
+SQUARE = """&case name = 'square' /
+&mesh size = 0.4, 0.4  cells = 6, 6  origin = -0.2, -0.2 /
+&material young = 1000.0  poisson = 0.3  hypothesis = 'plane strain' /
+&rigid name = 'grip'  set = '{grip}'  point = 0.0, 0.0  ux = 0.002  uy = -0.004  turn = {turn} /
+&contact name = 'sole'  set = '{sole}'  point = 0.0, -0.2  friction = 0.0  sliding = 'finite' /
+"""
+
+
+class Turning(HistoryTest):
+    """Bodies that turn by any angle."""
+
+    def test_nothing_happens_where_both_bodies_turn(self):
+        self.walk(turned_together(1.0))
+        rows = self.table("turned.history.csv")
+        for key in ("normal_force", "tangential_force", "strain_energy", "reaction_moment_foot"):
+            # Places are known to 1e-9 of the displacements by contact, forces to a few times as much.
+            self.assertAlmostEqual(float(rows[0][key]), float(rows[-1][key]), delta=1e-8 * abs(float(rows[0][key])),
+                                   msg=key)
+        # In one step or in three: work of friction, and of both sets together.
+        self.assertLess(float(rows[-1]["dissipation"]) - float(rows[0]["dissipation"]), 1e-12)
+        self.assertLess(abs(float(rows[-1]["work_supports"])), 1e-7 * float(rows[0]["normal_force"]))
+        force = [float(rows[0][key]) for key in ("force_x_sole", "force_y_sole")]
+        for key, value in (("force_x_sole", force[0] * math.cos(1.0) - force[1] * math.sin(1.0)),
+                           ("force_y_sole", force[0] * math.sin(1.0) + force[1] * math.cos(1.0))):
+            self.assertAlmostEqual(float(rows[-1][key]), value, delta=1e-8 * max(map(abs, force)), msg=key)
+            opposite = key.replace("force", "rigid_foot_force").replace("_x_sole", "_x").replace("_y_sole", "_y")
+            self.assertAlmostEqual(float(rows[-1][opposite]), -value, delta=1e-8 * max(map(abs, force)), msg=key)
+        x, y = (float(rows[0][key]) + start for key, start in (("ux_1", 0.35), ("uy_1", 0.996)))
+        self.assertAlmostEqual(float(rows[-1]["ux_1"]) + 0.35, x * math.cos(1.0) - y * math.sin(1.0), delta=1e-10)
+        self.assertAlmostEqual(float(rows[-1]["uy_1"]) + 0.996, x * math.sin(1.0) + y * math.cos(1.0), delta=1e-10)
+        self.assertEqual(self.run_program("--verify", "out").stdout, "turned: verified\n")
+
+    def test_square_on_any_of_its_sides(self):
+        results = []
+        for grip, sole, quarters in (("top", "bottom", 0), ("right", "left", 1), ("bottom", "top", 2),
+                                     ("left", "right", -1)):
+            self.walk(SQUARE.format(grip=grip, sole=sole, turn=quarters * math.pi / 2))
+            found = self.summary("square")["key_results"]
+            results.append([found[key] for key in ("contact_force_x", "contact_force_y", "rigid_grip_moment",
+                                                   "max_contact_pressure", "max_von_mises", "reaction_moment_grip")])
+            stress = read_vtu((self.results / "square.vtu").read_bytes())[0]["nodal_stress"]
+            results[-1] += [extreme(tensor[i] for tensor in stress) for i in (0, 1, 3) for extreme in (min, max)]
+            self.assertEqual(self.run_program("--verify", "out").stdout, "square: verified\n")
+        for other in results[1:]:
+            for one, two in zip(results[0], other):
+                # Two solutions of residual 1e-10 at places known to 1e-9.
+                self.assertAlmostEqual(one, two, delta=1e-7 * max(map(abs, results[0])))
+
+    def test_set_is_driven_by_force_and_moment(self):
+        free = SQUARE.format(grip="top", sole="bottom", turn=0.0).replace(
+            "ux = 0.002  uy = -0.004  turn = 0.0", "force = 0.1, -1.0  moment = 0.05").replace("friction = 0.0", "friction = 0.3")
+        self.walk(free)
+        found = self.summary("square")["key_results"]
+        self.assertAlmostEqual(found["contact_force_x"], -0.1, delta=1e-8)
+        self.assertAlmostEqual(found["contact_force_y"], 1.0, delta=1e-8)
+        self.assertAlmostEqual(found["rigid_grip_moment"], 0.05, delta=1e-8)
+        for key in ("reaction_x_grip", "reaction_y_grip", "reaction_moment_grip"):
+            self.assertAlmostEqual(found[key], 0.0, delta=1e-8, msg=key)
+        # The square tips a little against the pressure on one side.
+        self.assertLess(found["contact_centroid_x"], 0.0)
+        self.assertEqual(self.run_program("--verify", "out").stdout, "square: verified\n")
+
+    def test_body_turned_by_more_than_a_full_turn_goes_on_from_a_state(self):
+        deck = turned_together(9.0).replace("fields_every = 4", "states_every = 3").replace("substeps = 3", "substeps = 4")
+        self.walk(deck)
+        whole = self.table("turned.history.csv")
+        self.assertEqual(float(whole[-1]["rigid_foot_turn"]), 9.0)
+        # The header, and the states of steps 1 and 3, the latter at the time 0.5.
+        self.write("half.csv", "".join(self.text("turned.states.csv").splitlines(keepends=True)[:3]))
+        self.walk(deck.replace("'turned'", "'rest'").replace("times = 0.0, 1.0  substeps = 4",
+                                                             "times = 0.5, 1.0  substeps = 2  start = 'half.csv'")
+                  .replace("factor = 0.0, 1.0", "factor = 0.5, 1.0"))
+        last = self.table("rest.history.csv")[-1]
+        for key in ("normal_force", "force_x_sole", "strain_energy", "rigid_floor_moment", "ux_1"):
+            self.assertAlmostEqual(float(whole[-1][key]), float(last[key]), delta=1e-8 * abs(float(last[key])), msg=key)
 
 
 if __name__ == "__main__":

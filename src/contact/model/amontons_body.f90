@@ -26,6 +26,7 @@ module amontons_body
    use amontons_moved_zone, only: check_retained, check_sliding, new_retained_zone
    use amontons_new_cholesky, only: new_cholesky
    use amontons_pair_substitution, only: bonds_of, join_corners, new_pair_substitution, new_tied_pairs
+   use amontons_pose, only: find_turning_pieces, turning_piece_t
    use amontons_recovery_tables, only: recovery_tables_t
    use amontons_rigid_motion, only: displacement_of_nodes, largest_motion, new_rigid_motions, orthonormal_modes, &
       resting_motions, rigid_motions_t
@@ -99,6 +100,9 @@ module amontons_body
       logical :: slides_far = .false. !! whether the contact points slide far
       type(contact_zone_t), allocatable :: zone_at_rest !! the contact points at rest, where they slide far
       integer, allocatable :: contact_node(:) !! the nodes of contact sets, where they slide far
+      type(turning_piece_t), allocatable :: may_turn(:)
+         !! the pieces that may turn far, where they slide far; the rigid sets of the first ones count as held
+      type(turning_piece_t), allocatable :: turning(:) !! those of them that the loads let turn, from `new_load_case`
       real(dp), allocatable :: flexibility(:, :)
          !! inverse of S on the retained points, where the points slide far; of a body with free motions that of S and a
          !! multiple of their squares (retained rows, retained rows) [L/F]
@@ -201,6 +205,7 @@ contains
       end do
       call choose_retained(body, substitution, contacts, joined_area, error)
       if (allocated(error)) return
+      call hold_turning_sets(body)
       call set_motions(body)
       call number_unknowns(body, substitution, error)
       if (allocated(error)) return
@@ -280,6 +285,33 @@ contains
          end if
       end associate
    end subroutine choose_retained
+
+   !> Finds the pieces of a plane body that may turn far, and holds their rigid sets: in the frame of its piece a set is
+   !> at rest.
+   subroutine hold_turning_sets(body)
+      type(body_t), intent(inout) :: body !! the body; gains the pieces
+      type(rigid_motions_t), allocatable :: motions(:)
+      integer :: i, k
+
+      allocate (body%may_turn(0), body%turning(0))
+      if (.not. body%slides_far .or. body%is_axisymmetric .or. size(body%mesh%coordinates, 1) == 3) return
+      call find_motions(motions, body, body%constraints, body%springs)
+      call find_turning_pieces(body%may_turn, motions, body%constraints, body%springs, body%mesh%coordinates, &
+         body%contact_node)
+      ! A motion that is locked later is an unknown.
+      body%may_turn = pack(body%may_turn, [(all(body%driven%lock_time >= huge(1.0_dp) .or. all(spread( &
+         body%driven%lead, 2, size(body%may_turn(k)%node)) /= spread(body%may_turn(k)%node, 1, size(body%driven)), &
+         dim=2)), k=1, size(body%may_turn))])
+      do k = 1, count(body%may_turn%rigid > 0)
+         associate (piece => body%may_turn(k), rigid => body%constraints%rigid(body%may_turn(k)%rigid))
+            do i = 1, 3
+               piece%driven(i) = findloc(body%driven%kind == 'rigid' .and. body%driven%lead == rigid%lead(i) .and. &
+                  body%driven%component == rigid%component(i), .true., dim=1)
+               body%constraints%is_free(rigid%axis(i), rigid%lead(i)) = .false.
+            end do
+         end associate
+      end do
+   end subroutine hold_turning_sets
 
    !> Lists the contact sets, supports and ties whose forces on the body are reported, by name.
    pure subroutine name_forces(list, supports, contacts, ties, error)

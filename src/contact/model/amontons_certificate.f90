@@ -13,7 +13,8 @@ module amontons_certificate
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
    use amontons_loads, only: load_by_temperature
-   use amontons_named_forces, only: force_values, named_quantities, set_named_values
+   use amontons_named_forces, only: force_values, named_quantities, set_named_values, set_posed_values
+   use amontons_pose, only: pose_t, turn_back, whole_displacement
    use amontons_quantity, only: quantity_t, relative
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
@@ -91,15 +92,18 @@ module amontons_certificate
 contains
 
    !> Computes the certificate of a solution on the full model, from its displacements and contact forces.
-   subroutine new_certificate(certificate, body, load_case, displacement, force, of_stresses)
+   subroutine new_certificate(certificate, body, load_case, displacement, force, of_stresses, poses)
       type(certificate_t), intent(out) :: certificate !! the certificate
       type(body_t), intent(in) :: body !! the body
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
-      real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
+      real(dp), intent(in) :: displacement(:, :)
+         !! displacement of the nodes, elastic where pieces turn far (components, n_nodes) [L]
       real(dp), intent(in) :: force(:) !! contact forces (lambda_N; lambda_T) (n_rows) [F]
       real(dp), intent(in), optional :: of_stresses(:, :)
          !! nodal forces that the stresses amount to, from `new_stress_field`, if known (components, n_nodes) [F]
-      real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:), named(:)
+      type(pose_t), intent(in), optional :: poses(:) !! poses of the pieces that turn far; there are none without them
+      real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:), named(:), &
+         moved(:, :), on_nodes(:, :), thrust(:, :)
       type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, work
       integer :: i, node
@@ -111,14 +115,34 @@ contains
          call body%internal_forces(internal, displacement, load_case%element_load)
       end if
       contact = body%zone%rows%forces(force, body%mesh%n_nodes)
+      if (present(poses)) then
+         moved = whole_displacement(body%turning, poses, body%mesh%coordinates, displacement)
+         on_nodes = contact
+         call turn_back(body%turning, poses, contact)
+      end if
       reaction = internal - load_case%force - contact
       named = force_values(body, reaction, displacement, force, load_case%driven)
+      if (present(poses)) then
+         thrust = reshape([(body%turning(i)%thrust(poses(i), body%mesh%coordinates, displacement, reaction, &
+            contact), i=1, size(poses))], &
+            [3, size(poses)])
+         call set_posed_values(named, body, poses, load_case%driven, thrust)
+      end if
       ! The reactions of bonded nodes are the forces that the surfaces exert on each other.
       reaction = body%dof_map%substitution%forces(reaction)
       call split_tie_forces(tied, reaction, body)
       allocate (certificate%couple(size(body%zone%pairs) + size(body%ties)), source=0.0_dp)
       certificate%couple_scale = certificate%couple
       call split_imbalance(body%constraints, reaction, certificate%equilibrium)
+      if (present(poses)) then
+         ! A rigid set that turns exerts the given force where it is free.
+         do i = 1, count(body%turning%rigid > 0)
+            associate (piece => body%turning(i), length => body%constraints%rigid(body%turning(i)%rigid)%length)
+               certificate%equilibrium = norm2([certificate%equilibrium, merge(0.0_dp, (thrust(:, i) &
+                  - load_case%driven(piece%driven))/[1.0_dp, 1.0_dp, length], piece%is_held)])
+            end associate
+         end do
+      end if
       call body%constraints%spread_resultants(reaction)
       associate (loads => load_case%force, prescribed => load_case%prescribed)
          ! Sum forces and their work over the nodes, all in one pass.
@@ -150,11 +174,16 @@ contains
          least_scale = max(least_scale, rounding_share*sum(load_case%uncanceled))
          do i = 1, size(body%motions)
             least_scale = max(least_scale, resting_scale(body, body%motions(i)%node, displacement, loads, reaction, &
-               contact, force_size, any(load_case%loads%target == load_by_temperature)))
+               contact, force_size, any(load_case%loads%target == load_by_temperature), moved))
          end do
          certificate%force_scale = max(sums%largest_load, sums%largest_reaction, sums%largest_contact, least_scale)
-         call check_points(certificate, body, load_case, displacement, force)
-         call check_pairs(certificate, body, displacement, contact, force)
+         if (present(poses)) then
+            call check_points(certificate, body, load_case, moved, force)
+            call check_pairs(certificate, body, moved, on_nodes, force)
+         else
+            call check_points(certificate, body, load_case, displacement, force)
+            call check_pairs(certificate, body, displacement, contact, force)
+         end if
          call check_ties(certificate, body, tied, contact)
          if (any(body%ties%lead > 0)) then
             work = -dot_product(tied, body%tie_rows%displacement(displacement))
@@ -225,7 +254,7 @@ contains
    !> The smallest scale of the forces on a piece without loads: a share of |K| |u| if these forces are all rounding
    !> errors and no element is strained, otherwise 0. Forces in a strained soft part may be as small relative to the |K|
    !> |u| of a stiff part without being errors. Heat strains elements without forces [F].
-   real(dp) function resting_scale(body, nodes, displacement, loads, reaction, contact, force_size, is_heated) &
+   real(dp) function resting_scale(body, nodes, displacement, loads, reaction, contact, force_size, is_heated, whole) &
       result(scale)
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: nodes(:) !! the nodes of the piece
@@ -235,6 +264,9 @@ contains
       real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (components, n_nodes) [F]
       real(dp), intent(in) :: force_size !! size of the forces on all pieces [F]
       logical, intent(in) :: is_heated !! whether there are thermal strains
+      real(dp), intent(in), optional :: whole(:, :)
+         !! displacements with the poses of pieces that turn far, whose rounding elastic ones have (components, n_nodes)
+         !! [L]
       ! Some hundred times the relative rounding error of a sum of a few dozen terms.
       real(dp), parameter :: rounding = 1.0e-13_dp
       ! Displacements have the rounding errors of the whole solution, more of them in a soft part beside a stiff one.
@@ -255,6 +287,7 @@ contains
       associate (of_all => magnitudes(body, displacement))
          magnitude(:, nodes) = of_all(:, nodes)
       end associate
+      if (present(whole)) magnitude(:, nodes) = max(magnitude(:, nodes), abs(whole(:, nodes)))
       if (.not. is_heated) then
          if (is_strained(body%mesh, body%materials, moved, maxval(magnitude), negligible_share)) return
       end if

@@ -22,13 +22,14 @@ module amontons_load_family
    use amontons_material, only: on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: steepest_cosine
+   use amontons_pose, only: pose_t, turning_piece_t
    use amontons_rounding, only: exceeds, sum_rounding
    use amontons_text, only: place_text, short_text, to_text
    implicit none (type, external)
    private
 
    public :: acting_t, add_part, check_shear, condensed_force, load_case_t, load_family_t, new_load_case, &
-      new_load_family, obstacle_motion_t, one_part, out_of_reach, parting_t, recover_displacement, &
+      new_load_family, one_part, out_of_reach, parting_t, recover_displacement, &
       recover_displacements, set_obstacles
 
    !> Gap of a point that faces nothing, over the body's size [-].
@@ -46,6 +47,8 @@ module amontons_load_family
          !! sum of the norms of the nodal forces of each load, and norm of those that would prevent thermal expansion;
          !! what is left where they cancel has the rounding errors of these [F]
       real(dp), allocatable :: driven(:) !! forces that loads give the driven motions of the body (motions) [F, F L]
+      real(dp), allocatable :: posed(:, :)
+         !! shift and turn that supports prescribe of the pieces that turn with a rigid set (3, any) [L], [rad]
       real(dp), allocatable :: prescribed(:, :)
          !! displacements that the supports prescribe, with what follows of them for slaves (components, n_nodes) [L]
       real(dp), allocatable :: element_load(:)
@@ -73,17 +76,6 @@ module amontons_load_family
       real(dp), allocatable :: slip_bound(:) !! given bound g of the tangential force (m) [F]
       type(condensed_load_t) :: condensed !! the condensed load, where its family is condensed
    end type load_case_t
-
-   !> The motion of an obstacle: in the plane it is turned about the pivot, and then shifted.
-   type :: obstacle_motion_t
-      real(dp) :: shift(3) = 0.0_dp !! shift along x, y and z [L]
-      real(dp) :: turn = 0.0_dp !! angle, counterclockwise [rad]
-      real(dp) :: pivot(2) = 0.0_dp !! pivot of the rotation [L]
-   contains
-      procedure :: displacement => obstacle_motion_displacement
-      procedure :: is_at_rest => obstacle_motion_is_at_rest
-      procedure :: origin => obstacle_motion_origin
-   end type obstacle_motion_t
 
    !> The part to which each load, each prescribed displacement and the friction of each contact set belong.
    type :: parting_t
@@ -129,7 +121,7 @@ module amontons_load_family
    !> The data of a member of the family: the factors and, in a history, positions of the obstacles and anchors.
    type :: acting_t
       real(dp), allocatable :: factor(:) !! factor of each part (parts) [-]
-      type(obstacle_motion_t), allocatable :: motions(:)
+      type(pose_t), allocatable :: motions(:)
          !! the motion of the obstacle of each contact set; not allocated where all are at their places
       real(dp), allocatable :: gap(:) !! distance d to the obstacle where it is now, with what was worn (m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle (m)
@@ -188,7 +180,33 @@ contains
          return
       end do
       call apply_loads(load_case, body, load_case%loads, error)
+      if (.not. allocated(error)) call let_turn(body, load_case, error)
    end subroutine new_load_case
+
+   !> Lets pieces that no nodal forces act on turn far: such forces would keep their directions. Forces and moments of
+   !> rigid sets do.
+   pure subroutine let_turn(body, load_case, error)
+      type(body_t), intent(inout) :: body !! the body; gains the pieces that turn
+      type(load_case_t), intent(in) :: load_case !! the loads
+      type(error_t), allocatable, intent(out) :: error !! forces act on a piece that has a rigid set
+      integer :: k
+
+      if (allocated(body%turning)) deallocate (body%turning)
+      allocate (body%turning(0))
+      do k = 1, size(body%may_turn)
+         associate (piece => body%may_turn(k))
+            if (.not. any(abs(load_case%force(:, piece%node)) > 0.0_dp)) then
+               body%turning = [body%turning, piece]
+            else if (piece%rigid > 0) then
+               associate (set => load_case%supports(body%driven(piece%driven(1))%support))
+                  call new_error(error, input_refused, set%origin//"sliding = 'finite': loads act on the body of '"// &
+                     set%name//"', which may turn far; give their force and moment to this rigid set")
+               end associate
+               return
+            end if
+         end associate
+      end do
+   end subroutine let_turn
 
    !> Sets the displacements that supports prescribe, with those that follow from them by substitution.
    subroutine prescribe(load_case, constraints, body, supports, error)
@@ -197,10 +215,24 @@ contains
       type(body_t), intent(in) :: body !! the body
       type(support_t), intent(in) :: supports(:) !! the supports
       type(error_t), allocatable, intent(out) :: error !! the supports do not fit the mesh
-      integer :: k
+      integer :: i, k
 
       call new_constraints(constraints, load_case%prescribed, body%mesh, supports, error, body%materials)
       if (allocated(error)) return
+      ! A rigid set that turns far is at rest in the frame of its piece.
+      allocate (load_case%posed(3, count(body%may_turn%rigid > 0)))
+      do k = 1, size(load_case%posed, 2)
+         associate (piece => body%may_turn(k), rigid => constraints%rigid(body%may_turn(k)%rigid))
+            do i = 1, 3
+               associate (value => load_case%prescribed(rigid%axis(i), rigid%lead(i)), &
+                  is_free => constraints%is_free(rigid%axis(i), rigid%lead(i)))
+                  load_case%posed(i, k) = value/merge(rigid%length, 1.0_dp, i == 3)
+                  value = 0.0_dp
+                  is_free = is_free .eqv. piece%is_held(i)
+               end associate
+            end do
+         end associate
+      end do
       do k = 1, size(body%driven)
          associate (driven => body%driven(k), support => supports(body%driven(k)%support))
             if (support%is_jump) load_case%prescribed(:, driven%lead) = load_case%prescribed(:, driven%lead) &
@@ -217,7 +249,7 @@ contains
       type(load_t), intent(in) :: loads(:) !! the loads
       type(error_t), allocatable, intent(out) :: error !! a load does not fit the mesh
       real(dp), allocatable :: of_heat(:, :)
-      integer :: k
+      integer :: i, k
 
       call load_vector(load_case%force, body%mesh, body%materials, loads, error, load_case%uncanceled(1))
       if (.not. allocated(error)) call sum_element_loads(load_case%element_load, body%mesh, body%materials, loads, &
@@ -230,6 +262,7 @@ contains
       load_case%driven = body%driven_forces(loads)
       do k = 1, size(body%driven)
          associate (driven => body%driven(k))
+            if (any([(any(body%may_turn(i)%driven == k), i=1, size(body%may_turn))])) cycle
             load_case%force(:, driven%node) = load_case%force(:, driven%node) + load_case%driven(k)*driven%force
             load_case%uncanceled(1) = load_case%uncanceled(1) + abs(load_case%driven(k))*norm2(driven%force)
          end associate
@@ -499,6 +532,7 @@ contains
          part%force = load_case%force
          part%uncanceled = load_case%uncanceled
          part%driven = load_case%driven
+         part%posed = load_case%posed
          part%prescribed = load_case%prescribed
          if (allocated(load_case%element_load)) part%element_load = load_case%element_load
          return
@@ -573,7 +607,7 @@ contains
    subroutine load_family_move(self, body, motions, acting, error)
       class(load_family_t), intent(in) :: self !! the family
       type(body_t), intent(in) :: body !! the body
-      type(obstacle_motion_t), intent(in) :: motions(:) !! the motion of the obstacle of each contact set
+      type(pose_t), intent(in) :: motions(:) !! the motion of the obstacle of each contact set
       class(acting_t), intent(inout) :: acting !! the member, its obstacles at their places
       type(error_t), allocatable, intent(out) :: error !! an obstacle has moved too far into the body, or past it
       type(load_case_t) :: moved
@@ -723,12 +757,14 @@ contains
       load_case%uncanceled = matmul(self%uncanceled, abs(acting%factor))
       load_case%force = acting%factor(1)*self%parts(1)%force
       load_case%driven = acting%factor(1)*self%parts(1)%driven
+      load_case%posed = acting%factor(1)*self%parts(1)%posed
       load_case%prescribed = acting%factor(1)*self%parts(1)%prescribed
       load_case%condensed = self%parts(1)%condensed
       if (allocated(self%parts(1)%element_load)) load_case%element_load = &
          acting%factor(1)*self%parts(1)%element_load
       do k = 2, size(self%parts)
          load_case%driven = load_case%driven + acting%factor(k)*self%parts(k)%driven
+         load_case%posed = load_case%posed + acting%factor(k)*self%parts(k)%posed
          if (self%has_force(k)) load_case%force = load_case%force + acting%factor(k)*self%parts(k)%force
          if (self%has_displacement(k)) load_case%prescribed = load_case%prescribed &
             + acting%factor(k)*self%parts(k)%prescribed
@@ -750,38 +786,5 @@ contains
 
       largest = max(0.0_dp, maxval(abs(matmul(self%nodal_force, factor))))
    end function load_family_largest_force
-
-   !> Whether the obstacle is at its initial position.
-   elemental logical function obstacle_motion_is_at_rest(self) result(is_at_rest)
-      class(obstacle_motion_t), intent(in) :: self !! the motion
-
-      is_at_rest = .not. (any(abs(self%shift) > 0.0_dp) .or. abs(self%turn) > 0.0_dp)
-   end function obstacle_motion_is_at_rest
-
-   !> Displacement of a point of the obstacle. 1 - cos is written as a square of a sine, so that small angles keep their
-   !> digits (n_dim) [L].
-   pure function obstacle_motion_displacement(self, position) result(displacement)
-      class(obstacle_motion_t), intent(in) :: self !! the motion
-      real(dp), intent(in) :: position(:) !! initial position of the point (n_dim) [L]
-      real(dp) :: displacement(size(position))
-
-      displacement = self%shift(:size(position))
-      associate (arm => position(:2) - self%pivot)
-         displacement(:2) = displacement(:2) + sin(self%turn)*turned(arm) - 2.0_dp*sin(0.5_dp*self%turn)**2*arm
-      end associate
-   end function obstacle_motion_displacement
-
-   !> Where a point of the obstacle was at rest (n_dim) [L].
-   pure function obstacle_motion_origin(self, position) result(origin)
-      class(obstacle_motion_t), intent(in) :: self !! the motion
-      real(dp), intent(in) :: position(:) !! where it is now (n_dim) [L]
-      real(dp) :: origin(size(position))
-      type(obstacle_motion_t) :: back
-
-      back%turn = -self%turn
-      back%pivot = self%pivot
-      origin = position - self%shift(:size(position))
-      origin = origin + back%displacement(origin)
-   end function obstacle_motion_origin
 
 end module amontons_load_family

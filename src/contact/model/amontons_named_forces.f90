@@ -13,12 +13,13 @@ module amontons_named_forces
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t, recover_displacement
    use amontons_mortar_pair, only: integrate_pair, mortar_points_t
+   use amontons_pose, only: pose_t
    use amontons_quantity, only: quantity_t
    implicit none (type, external)
    private
 
    public :: contact_values, find_responses, force_form_t, force_test_t, force_values, named_quantities, named_tests, &
-      new_force_form, set_named_values
+      new_force_form, set_named_values, set_posed_values
 
    !> Components of a force: along the normal and the tangent of a contact line, along x, y and z, the moment about the
    !> origin, counter-clockwise, that about the axis of a twisted body, and those about the origin in space. A contact
@@ -315,6 +316,39 @@ contains
          if (allocated(test%contact)) values(k) = values(k) + dot_product(test%contact, force)
       end do
    end function force_values
+
+   !> Replaces the motions and forces of rigid sets whose pieces turn far, and the reactions of their supports, whose
+   !> moment is about the origin.
+   pure subroutine set_posed_values(values, body, poses, driven, thrust)
+      real(dp), intent(inout) :: values(:) !! the values of all forces by name, in the order of their names
+      type(body_t), intent(in) :: body !! the body
+      type(pose_t), intent(in) :: poses(:) !! the poses of the pieces that turn
+      real(dp), intent(in) :: driven(:) !! forces that loads give the driven motions (motions) [F, F L]
+      real(dp), intent(in) :: thrust(:, :)
+         !! force, and moment about its point, of each rigid set on its piece (3, pieces) [F], [F L]
+      integer, allocatable :: components(:, :)
+      real(dp) :: reaction(3)
+      integer :: i, k
+
+      components = components_of(body)
+      do k = 1, count(body%turning%rigid > 0)
+         associate (piece => body%turning(k))
+            do i = 1, 3
+               values(size(components, 2) + 2*piece%driven(i) - 1) = merge(poses(k)%turn, poses(k)%shift(i), i == 3)
+               values(size(components, 2) + 2*piece%driven(i)) = thrust(i, k)
+            end do
+            reaction = thrust(:, k) - driven(piece%driven)
+            reaction(3) = reaction(3) + dot_product(turned(piece%point + poses(k)%shift(:2)), reaction(:2))
+            do i = 1, size(components, 2)
+               associate (named => body%named(components(1, i)), component => components(2, i))
+                  if (named%kind /= of_support) cycle
+                  if (any(named%member /= body%driven(piece%driven(1))%support)) cycle
+                  values(i) = reaction(merge(3, component - along_x + 1, component == moment))
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine set_posed_values
 
    !> Computes the displacements of the nodes under each part of a family, contact displacements held, and the nodal
    !> forces of each part; of temperatures those that cause the same strain.

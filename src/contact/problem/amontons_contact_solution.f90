@@ -29,6 +29,9 @@ module amontons_contact_solution
       real(dp), allocatable :: retained(:, :)
          !! displacements and contact forces of the nodes that the body is condensed to; allocated where bodies slide
          !! far (retained rows, 2) [L], [F]
+      real(dp), allocatable :: posed(:, :)
+         !! shift and turn of each piece that turns, and force and moment that its rigid set exerts on it; allocated
+         !! beside these (6, pieces) [L], [rad], [F], [F L]
       integer, allocatable :: status(:) !! status of each point, see `amontons_friction_law` (m)
       logical :: is_converged = .false. !! whether the residual is at most the tolerance
       logical :: is_at_rest = .false. !! whether the method stopped because its forces no longer changed

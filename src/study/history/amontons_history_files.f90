@@ -5,8 +5,8 @@
 !> The tables are those of a checkpoint: a run that was interrupted is continued after the last rows saved. The progress
 !> is a list of numbers, from which another history may start as well.
 module amontons_history_files
-   use amontons_body, only: body_t
    use amontons_case_label, only: case_label_t
+   use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t, checkpoint_t, new_checkpoint
    use amontons_document, only: field, status_runs
    use amontons_error, only: error_t, input_refused, new_error
@@ -307,7 +307,7 @@ contains
       do i = 1, merge(size(body%zone%pairs), 0, size(body%zone%pairs) > 1)
          call add_contact_set(table, body, state, i)
       end do
-      call table%add_quantities(model%probe_names, model%probed(state%instant%factor, state%solution%body_displacement()))
+      call table%add_quantities(model%probe_names, model%probed(body, state))
       call table%add_quantities(model%named, state%named)
       worn = wear_results(body, model%solver%loads%base%contacts, state%wear_depth)
       call table%add_quantities(worn, worn%value)

@@ -20,11 +20,11 @@ module amontons_history_model
    use amontons_friction_law, only: open_point, slip_minus, slip_point, tangential_norm
    use amontons_history, only: history_t, stepped_friction, stepped_load, stepped_obstacle, stepped_support
    use amontons_kinds, only: dp
-   use amontons_load_family, only: acting_t, add_part, condensed_force, load_case_t, obstacle_motion_t, one_part, &
-      parting_t
+   use amontons_load_family, only: acting_t, add_part, condensed_force, load_case_t, load_family_t, one_part, parting_t
    use amontons_load_solver, only: load_solver_t, new_load_solver, residual_of_strains
    use amontons_named_forces, only: contact_values, find_responses, force_form_t, force_test_t, named_quantities, &
-      named_tests, new_force_form
+      named_tests, new_force_form, set_posed_values
+   use amontons_pose, only: pose_t, stated_poses
    use amontons_quantity, only: quantity_t
    use amontons_result, only: certificate_limit, outcome_no_equilibrium, outcome_not_converged, outcome_numbers, &
       outcome_solved
@@ -70,6 +70,7 @@ module amontons_history_model
       real(dp), allocatable, private :: probe_row(:, :) !! their displacements per contact displacement (n_rows, any)
       real(dp), allocatable :: wear(:) !! depth that each point loses per normal force and slip (m) [1/F]
       logical, allocatable :: is_slip_fixed(:) !! whether a support holds each point along its tangents (n_rows - m)
+      logical, allocatable :: is_pose_held(:, :) !! which motions of pieces that turn supports prescribe (3, pieces)
    contains
       procedure :: acting => history_model_acting
       procedure :: enter_step => history_model_enter_step
@@ -199,6 +200,7 @@ contains
       model%history = config%history
       model%wear = prepared%contacts(body%zone%set)%wear/body%zone%area
       model%is_slip_fixed = [transpose(body%zone%is_fixed)]
+      model%is_pose_held = reshape([(body%turning(i)%is_held, i=1, size(body%turning))], [3, size(body%turning)])
       ! Gives every change of a load, support or friction a part.
       parting = one_part(prepared)
       parting%moves_obstacles = any(config%history%steps%target == stepped_obstacle)
@@ -361,7 +363,7 @@ contains
       real(dp), intent(in) :: numbers(:) !! the numbers of all changes, in the deck's order
       type(instant_t), intent(out) :: instant !! the loads
       type(error_t), allocatable, intent(out) :: error !! an obstacle has moved too far into the body, or past it
-      type(obstacle_motion_t) :: motions(size(self%solver%loads%base%contacts))
+      type(pose_t) :: motions(size(self%solver%loads%base%contacts))
       integer :: i, k, first
 
       call self%solver%loads%at_rest(instant)
@@ -375,8 +377,8 @@ contains
             do k = 1, size(motions)
                if (change%target /= stepped_obstacle) exit
                if (.not. change%acts_on(self%solver%loads%base%contacts(k))) cycle
-               motions(k) = obstacle_motion_t([numbers(first:first + 1), 0.0_dp], numbers(first + 2), change%pivot)
-               if (size(body%mesh%coordinates, 1) == 3) motions(k) = obstacle_motion_t(numbers(first:first + 2))
+               motions(k) = pose_t([numbers(first:first + 1), 0.0_dp], numbers(first + 2), change%pivot)
+               if (size(body%mesh%coordinates, 1) == 3) motions(k) = pose_t(numbers(first:first + 2))
             end do
             first = first + change%n_numbers()
          end associate
@@ -385,18 +387,26 @@ contains
    end subroutine history_model_acting
 
    !> The displacements of the probes, all components of one after the other (any) [L].
-   pure function history_model_probed(self, factor, v) result(displacement)
+   pure function history_model_probed(self, body, state) result(displacement)
       class(history_model_t), intent(in) :: self !! the model
-      real(dp), intent(in) :: factor(:) !! factors of the parts [-]
-      real(dp), intent(in) :: v(:) !! contact displacements (n_rows) [L]
+      type(body_t), intent(in) :: body !! the body
+      type(step_state_t), intent(in) :: state !! the state
       real(dp) :: displacement(size(self%probe_row, 2))
-      integer :: i
+      integer :: i, k
 
-      displacement = matmul(v, self%probe_row)
+      displacement = matmul(state%solution%body_displacement(), self%probe_row)
       do i = 1, size(self%probe)
          associate (n => size(self%energies%field, 1))
             displacement(n*(i - 1) + 1:n*i) = displacement(n*(i - 1) + 1:n*i) &
-               + matmul(self%energies%field(:, self%probe(i), :), factor)
+               + matmul(self%energies%field(:, self%probe(i), :), state%instant%factor)
+            do k = 1, size(body%turning)
+               if (all(body%turning(k)%node /= self%probe(i))) cycle
+               associate (pose => stated_poses(body%turning, state%solution%posed), place => body%mesh%coordinates(:, &
+                  self%probe(i)))
+                  displacement(n*(i - 1) + 1:n*i) = pose(k)%displacement(place) + pose(k)%rotated( &
+                     displacement(n*(i - 1) + 1:n*i), is_back=.false.)
+               end associate
+            end do
          end associate
       end do
    end function history_model_probed
@@ -410,7 +420,8 @@ contains
 
       m = body%zone%n_points
       call new_contact_solution(state%solution, m, body%zone%n_tangents)
-      if (body%slides_far) allocate (state%solution%retained(body%retained%n_rows, 2), source=0.0_dp)
+      if (body%slides_far) allocate (state%solution%retained(body%retained%n_rows, 2), &
+         state%solution%posed(6, size(body%turning)), source=0.0_dp)
       call model%solver%loads%at_rest(state%instant)
       state%instant%factor = 0.0_dp
       state%slip = 0.0_dp*state%instant%anchor
@@ -464,6 +475,7 @@ contains
       else if (body%slides_far) then
          begin%acting_t = before%instant%acting_t
          begin%retained = before%solution%retained
+         begin%posed = before%solution%posed
          call model%solver%slide(body, after%instant, problem, after%solution, after%outcome, after%reason, &
             after%error_kind, begin)
       else
@@ -499,10 +511,27 @@ contains
          forces = model%energies%forces%values(factor, v, force)
          state%reaction = forces(:size(factor))
          state%named = forces(size(factor) + 1:)
-         if (body%slides_far) state%named = state%named + contact_values(body, state%solution%force)
+         if (body%slides_far) then
+            state%named = state%named + contact_values(body, state%solution%force)
+            call set_posed_values(state%named, body, stated_poses(body%turning, state%solution%posed), &
+               given_forces(loads, factor), state%solution%posed(4:, :))
+         end if
          state%strain_energy = model%energies%strain_energy(problem, factor, problem%strained(v, force))
       end associate
    end subroutine complete
+
+   !> The forces that loads give the driven motions (motions) [F, F L].
+   pure function given_forces(loads, factor) result(given)
+      type(load_family_t), intent(in) :: loads !! the family of loads
+      real(dp), intent(in) :: factor(:) !! factors of its parts [-]
+      real(dp) :: given(size(loads%parts(1)%driven))
+      integer :: k
+
+      given = 0.0_dp
+      do k = 1, size(factor)
+         given = given + factor(k)*loads%parts(k)%driven
+      end do
+   end function given_forces
 
    !> Number of numbers from which a state is restored.
    pure integer function n_state_numbers(body)
@@ -510,7 +539,8 @@ contains
 
       n_state_numbers = n_single + size(body%lockable) + (n_scalars + n_normals + n_tangentials*body%zone%n_tangents) &
          *body%zone%n_points
-      if (body%slides_far) n_state_numbers = n_state_numbers + body%zone%n_rows + 2*body%retained%n_rows
+      if (body%slides_far) n_state_numbers = n_state_numbers + body%zone%n_rows + 2*body%retained%n_rows &
+         + 6*size(body%turning)
    end function n_state_numbers
 
    !> The numbers from which a state is restored, the time first; everything else follows.
@@ -529,6 +559,7 @@ contains
    pure subroutine visit(state, archive)
       type(step_state_t), intent(inout) :: state !! the state
       type(archive_t), intent(inout) :: archive !! the archive
+      integer :: k
 
       call archive%pass(state%instant%time)
       call archive%pass(state%load_work)
@@ -553,6 +584,9 @@ contains
       call archive%pass(state%instant%motion)
       call archive%pass(state%solution%retained(:, 1))
       call archive%pass(state%solution%retained(:, 2))
+      do k = 1, size(state%solution%posed, 2)
+         call archive%pass(state%solution%posed(:, k))
+      end do
    end subroutine visit
 
    !> Restores a state from its numbers, to the last bit. It must be in equilibrium with the body: the state of another
@@ -582,7 +616,8 @@ contains
       call new_contact_solution(state%solution, m, body%zone%n_tangents)
       allocate (state%lock(size(body%lockable)), state%accumulated_slip(m), state%dissipation(m), state%worn(m), &
          state%wear_depth(m))
-      if (body%slides_far) allocate (state%solution%retained(body%retained%n_rows, 2))
+      if (body%slides_far) allocate (state%solution%retained(body%retained%n_rows, 2), &
+         state%solution%posed(6, size(body%turning)))
       archive = archive_t(numbers, is_read=.true.)
       call visit(state, archive)
       if (body%slides_far) then
@@ -636,6 +671,7 @@ contains
       real(dp), dimension(problem%matrix%n) :: force, mean_force, v, v_change, strained, whole_change, moved, stiffness
       real(dp), dimension(size(after%reaction)) :: change
       real(dp) :: load_work, support_work, obstacle_work, energies, end_work, own_energy, energy_change, size_of_terms
+      real(dp), allocatable :: of_poses(:, :)
       integer :: m, n
 
       m = size(after%bound)
@@ -661,9 +697,12 @@ contains
       pressed = 0.5_dp*(after%solution%force(:m) + before%solution%force(:m))
       slip = after%slip
       if (allocated(after%solution%retained)) then
+         ! In the frame of its piece a rigid set does no work.
+         of_poses = 0.5_dp*(after%solution%posed(4:, :) + before%solution%posed(4:, :)) &
+            *(after%solution%posed(:3, :) - before%solution%posed(:3, :))
          obstacle_work = -0.5_dp*dot_product(after%solution%force + before%solution%force, after%instant%way)
          missing = 0.0_dp
-         missing(:min(1, m)) = dot_product(mean_force, whole_change) + obstacle_work - sum(taken)
+         missing(:min(1, m)) = dot_product(mean_force, whole_change) + sum(of_poses) + obstacle_work - sum(taken)
       else
          ! An obstacle that loses or meets a point does no work on the jump of the gap.
          approach = merge(after%instant%gap - before%instant%gap, 0.0_dp, &
@@ -689,11 +728,18 @@ contains
       end if
       after%load_work = before%load_work + load_work
       after%support_work = before%support_work + support_work
+      if (allocated(of_poses)) then
+         associate (is_held => reshape([model%is_pose_held], shape(of_poses)))
+            after%load_work = after%load_work + sum(of_poses, mask=.not. is_held)
+            after%support_work = after%support_work + sum(of_poses, mask=is_held)
+         end associate
+      end if
       after%obstacle_work = before%obstacle_work + obstacle_work
       ! For a body that moves as a whole the scale is the energy of single points with the same displacement.
       energies = max(sum_rounding*max(after%carried_energy, maxval([problem%matrix%augmentation, 0.0_dp])*max( &
          0.0_dp, maxval(abs(after%solution%displacement)), problem%prescribed)**2), after%step_dissipation, &
-         abs(after%strain_energy - before%strain_energy), abs(load_work + support_work + obstacle_work))
+         abs(after%strain_energy - before%strain_energy), abs(after%load_work - before%load_work + after%support_work &
+         - before%support_work + obstacle_work))
       if (energies > 0.0_dp) after%indicator = sum(abs(missing))/energies
       ! Checks the two identities that hold exactly for a step in equilibrium at both ends.
       energy_change = after%strain_energy - before%strain_energy

@@ -286,7 +286,7 @@ contains
             merge(state%indicator, 0.0_dp, stepping%is_jump), state%wear_feedback], stepping%n_steps)
          peaks = contact_peaks(body, state%solution, state%instant%motion)
          forces = resultants(state%solution%force, m, .not. allocated(body%zone%line))
-         numbers = [peaks%value, forces%value, model%probed(state%instant%factor, state%solution%body_displacement()), &
+         numbers = [peaks%value, forces%value, model%probed(body, state), &
             state%named]
          if (size(self%extremes) == 0) self%extremes = spread(numbers, 2, 2)
          self%extremes(:, 1) = min(self%extremes(:, 1), numbers)
