@@ -10,7 +10,7 @@
 !> enough points beyond the end are open, they are more accurate than the forces, which alternate at the nodes of
 !> quadratic sides: the position is a polynomial of their power 2/3, and its value at 0 is the end.
 module amontons_key_results
-   use amontons_body, only: body_t, of_contact
+   use amontons_body, only: body_t
    use amontons_contact_set, only: contact_t
    use amontons_contact_solution, only: contact_solution_t
    use amontons_contact_zone, only: contact_zone_t
@@ -20,6 +20,7 @@ module amontons_key_results
    use amontons_kinds, only: dp
    use amontons_mesh, only: mesh_t
    use amontons_mortar_pair, only: mortar_pair_t
+   use amontons_named_set, only: of_contact
    use amontons_quantity, only: at_place, quantity_t
    use amontons_rounding, only: computed_rounding, exceeds, input_rounding, sum_rounding
    use amontons_stress_field, only: von_mises

@@ -19,6 +19,7 @@ module amontons_sliding
    use amontons_contact_zone, only: contact_zone_t, recompute_pairs
    use amontons_dense, only: cholesky_factor, cholesky_inverse, cholesky_solve, symmetric_multiply
    use amontons_error, only: error_t, input_refused, new_error, no_equilibrium, numerical_failure
+   use amontons_frame, only: turned
    use amontons_friction_law, only: open_point
    use amontons_kinds, only: dp
    use amontons_load_family, only: acting_t, load_case_t, load_family_t, out_of_reach
@@ -170,6 +171,7 @@ contains
             forces(:, body%retained%node(i)) = matmul(body%retained%frame(:, :, i), &
                search%force(i::body%retained%n_points))
          end do
+         call push_obstacles(solution, body, acting)
          solution%posed = reshape([([now%poses(i)%shift(:2), now%poses(i)%turn, &
             (sum(forces*body%turning(i)%unit_motion(now%poses(i), k, body%mesh%coordinates, now%elastic)), &
             k=1, 3)], i=1, size(now%poses))], [6, size(now%poses)])
@@ -178,6 +180,31 @@ contains
       if (solution%is_converged .and. .not. allocated(error)) call check_passage(body, contacts, is_near, &
          maxval(abs(search%now%moved(:, body%contact_node) - last%moved(:, body%contact_node))), error)
    end subroutine slide
+
+   !> Sums up the contact forces on the rigid obstacles, and their moments about the pivots.
+   pure subroutine push_obstacles(solution, body, acting)
+      type(contact_solution_t), intent(inout) :: solution !! the solution; gains the sums
+      type(body_t), intent(in) :: body !! the body, its contact points at their places
+      class(acting_t), intent(in) :: acting !! the member, for the motions of its obstacles
+      real(dp) :: force(size(body%zone%frame, 1)), arm(2)
+      integer :: p
+
+      associate (zone => body%zone)
+         if (allocated(solution%pushed)) deallocate (solution%pushed)
+         allocate (solution%pushed(4, size(zone%pairs)), source=0.0_dp)
+         do p = 1, zone%n_points
+            if (zone%pairs(zone%set(p))%is_set()) cycle
+            force = matmul(zone%frame(:, :, p), solution%force(p::zone%n_points))
+            arm = zone%acting(:2, p)
+            if (allocated(acting%motions)) arm = arm - acting%motions(zone%set(p))%pivot &
+               - acting%motions(zone%set(p))%shift(:2)
+            associate (pushed => solution%pushed(:, zone%set(p)))
+               pushed(:size(force)) = pushed(:size(force)) + force
+               pushed(4) = pushed(4) + dot_product(turned(arm), force(:2))
+            end associate
+         end do
+      end associate
+   end subroutine push_obstacles
 
    !> Refuses contact that reaches an end of a set beyond which the boundary goes on, or a corner of a master, where
    !> contact would be on both its sides.
@@ -477,7 +504,6 @@ contains
       type(pose_t) :: moved, before
       integer :: i, k, p
 
-      acting%way = spread(0.0_dp, 1, zone%n_rows)
       do p = 1, zone%n_points
          anchor = 0.0_dp
          motion = 0.0_dp
@@ -500,7 +526,6 @@ contains
                   motion = motion + matmul(moved%displacement(origin), block)
                   way = moved%displacement(origin) - before%displacement(origin)
                   anchor = anchor + matmul(last%moved(:, node) + way, block)
-                  acting%way(p::zone%n_points) = acting%way(p::zone%n_points) + matmul(way, block)
                end if
             end associate
          end do

@@ -70,6 +70,31 @@ class Recipes(ProgramTest):
             expected = 2*math.pi*b**2*pressure/poisson*(share[1] - share[0])
             self.assertAlmostEqual((force[first] - force[last])/expected, 1.0, delta=0.04)
 
+    def test_roller_moves_by_half_the_way_of_the_plate(self):
+        rows, printed = self.table("roller", "history")
+        self.assertIn("all solved", printed)
+        first, last = rows[4], rows[-1]
+        way = {key: float(last[key]) - float(first[key]) for key in ("ux_1", "ux_2", "uy_1", "uy_2")}
+        # The rim is flattened by 0.4 % of the radius, and rolls on a smaller one.
+        self.assertAlmostEqual(way["ux_1"], 12.0, delta=0.01)
+        turn = math.atan2(way["uy_2"] - way["uy_1"], 10.0 + way["ux_2"] - way["ux_1"])
+        self.assertAlmostEqual(turn, -1.2, delta=0.004*1.2)
+        self.assertLess(float(last["dissipation"]), 0.02*float(last["work_supports"]))
+
+    def test_cam_lifts_its_follower(self):
+        rows, printed = self.table("cam", "history")
+        self.assertIn("all solved", printed)
+        for row in rows[1:]:
+            turn = float(row["turn_cam"])
+            # The follower is compressed by 100/(2800*18*10) of its height of 15, and by its contact.
+            self.assertAlmostEqual(float(row["rigid_stem_uy"]), 6.0*math.sin(turn), delta=0.02)
+            # Sums of nodal forces on a circle that is met along three to five sides.
+            self.assertAlmostEqual(float(row["rigid_stem_force_x"]), 10.0, delta=0.2)
+            self.assertAlmostEqual(float(row["rigid_stem_force_y"]), -100.0, delta=1e-6)
+        # The rim slides by all of its length.
+        self.assertAlmostEqual(float(rows[-1]["dissipation"])/(0.1*100.0*20.0*2*math.pi), 1.0, delta=0.01)
+        self.assertLess(abs(float(rows[-1]["energy_error"])), 0.02*float(rows[-1]["dissipation"]))
+
     def test_clutch_slips_from_outside_at_the_torque_of_uniform_pressure(self):
         rows, _ = self.table("clutch", "history")
         torque = 2/3*math.pi*0.3*0.25*(100.0**3 - 60.0**3)

@@ -22,7 +22,7 @@ module amontons_load_family
    use amontons_material, only: on_axis
    use amontons_mesh, only: mesh_t
    use amontons_obstacle, only: steepest_cosine
-   use amontons_pose, only: pose_t, turning_piece_t
+   use amontons_pose, only: pose_t
    use amontons_rounding, only: exceeds, sum_rounding
    use amontons_text, only: place_text, short_text, to_text
    implicit none (type, external)
@@ -126,8 +126,6 @@ module amontons_load_family
       real(dp), allocatable :: gap(:) !! distance d to the obstacle where it is now, with what was worn (m) [L]
       logical, allocatable :: is_in_reach(:) !! whether the normal meets the obstacle (m)
       real(dp), allocatable :: motion(:) !! displacement of the obstacle along the tangent (n_rows - m) [L]
-      real(dp), allocatable :: way(:)
-         !! way of the obstacle in the step along normals and tangents; allocated where points slide far (n_rows) [L]
       real(dp), allocatable :: anchor(:) !! tangential displacements that slips are counted from (n_rows - m) [L]
       real(dp), allocatable :: added_gap(:)
          !! addition to the gaps, given by the caller of a step; after the step with the wear before it; not allocated

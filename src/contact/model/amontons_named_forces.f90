@@ -7,12 +7,13 @@
 !> nodes, from the factors of the parts of a family and the contact displacements (section 10 of doc/theory.md).
 module amontons_named_forces
    use amontons_assembly, only: spring_forces
-   use amontons_body, only: body_t, named_forces_t, of_contact, of_support, of_tie
+   use amontons_body, only: body_t
    use amontons_equilibrium, only: recover_with_travel
    use amontons_frame, only: turned
    use amontons_kinds, only: dp
    use amontons_load_family, only: condensed_force, load_case_t, recover_displacement
    use amontons_mortar_pair, only: integrate_pair, mortar_points_t
+   use amontons_named_set, only: named_forces_t, of_contact, of_support, of_tie
    use amontons_pose, only: pose_t
    use amontons_quantity, only: quantity_t
    implicit none (type, external)

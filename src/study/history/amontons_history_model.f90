@@ -421,7 +421,7 @@ contains
       m = body%zone%n_points
       call new_contact_solution(state%solution, m, body%zone%n_tangents)
       if (body%slides_far) allocate (state%solution%retained(body%retained%n_rows, 2), &
-         state%solution%posed(6, size(body%turning)), source=0.0_dp)
+         state%solution%posed(6, size(body%turning)), state%solution%pushed(4, size(body%zone%pairs)), source=0.0_dp)
       call model%solver%loads%at_rest(state%instant)
       state%instant%factor = 0.0_dp
       state%slip = 0.0_dp*state%instant%anchor
@@ -504,8 +504,8 @@ contains
       type(contact_problem_t), intent(in) :: problem !! the contact problem of its step
       real(dp), allocatable :: forces(:)
 
-      associate (factor => state%instant%factor, v => state%solution%body_displacement(), force => state%solution%body_force(), &
-         normal => state%solution%force(:size(state%solution%status)), loads => model%solver%loads)
+      associate (factor => state%instant%factor, v => state%solution%body_displacement(), &
+         force => state%solution%body_force(), normal => state%solution%force(:size(state%solution%status)), loads => model%solver%loads)
          state%bound = loads%base%slip_bound + loads%friction_of(state%instant)*max(0.0_dp, normal)
          where (all(body%zone%is_fixed, dim=1)) state%bound = 0.0_dp
          forces = model%energies%forces%values(factor, v, force)
@@ -540,7 +540,7 @@ contains
       n_state_numbers = n_single + size(body%lockable) + (n_scalars + n_normals + n_tangentials*body%zone%n_tangents) &
          *body%zone%n_points
       if (body%slides_far) n_state_numbers = n_state_numbers + body%zone%n_rows + 2*body%retained%n_rows &
-         + 6*size(body%turning)
+         + 6*size(body%turning) + 4*size(body%zone%pairs)
    end function n_state_numbers
 
    !> The numbers from which a state is restored, the time first; everything else follows.
@@ -587,6 +587,9 @@ contains
       do k = 1, size(state%solution%posed, 2)
          call archive%pass(state%solution%posed(:, k))
       end do
+      do k = 1, size(state%solution%pushed, 2)
+         call archive%pass(state%solution%pushed(:, k))
+      end do
    end subroutine visit
 
    !> Restores a state from its numbers, to the last bit. It must be in equilibrium with the body: the state of another
@@ -617,7 +620,7 @@ contains
       allocate (state%lock(size(body%lockable)), state%accumulated_slip(m), state%dissipation(m), state%worn(m), &
          state%wear_depth(m))
       if (body%slides_far) allocate (state%solution%retained(body%retained%n_rows, 2), &
-         state%solution%posed(6, size(body%turning)))
+         state%solution%posed(6, size(body%turning)), state%solution%pushed(4, size(body%zone%pairs)))
       archive = archive_t(numbers, is_read=.true.)
       call visit(state, archive)
       if (body%slides_far) then
@@ -700,7 +703,8 @@ contains
          ! In the frame of its piece a rigid set does no work.
          of_poses = 0.5_dp*(after%solution%posed(4:, :) + before%solution%posed(4:, :)) &
             *(after%solution%posed(:3, :) - before%solution%posed(:3, :))
-         obstacle_work = -0.5_dp*dot_product(after%solution%force + before%solution%force, after%instant%way)
+         obstacle_work = -sum(0.5_dp*(after%solution%pushed + before%solution%pushed) &
+            *(ways(after%instant) - ways(before%instant)))
          missing = 0.0_dp
          missing(:min(1, m)) = dot_product(mean_force, whole_change) + sum(of_poses) + obstacle_work - sum(taken)
       else
@@ -753,6 +757,22 @@ contains
       if (.not. size_of_terms > 0.0_dp) return
       after%imbalance = max(abs(load_work + support_work - energy_change - dot_product(mean_force, whole_change)), &
          abs(end_work - energy_change - own_energy - dot_product(force, whole_change)))/size_of_terms
+
+   contains
+
+      !> Shifts and turns of the obstacles (4, sets) [L], [rad].
+      pure function ways(instant)
+         type(instant_t), intent(in) :: instant !! what acts
+         real(dp) :: ways(4, size(after%solution%pushed, 2))
+         integer :: i
+
+         ways = 0.0_dp
+         if (.not. allocated(instant%motions)) return
+         do i = 1, size(ways, 2)
+            ways(:, i) = [instant%motions(i)%shift, instant%motions(i)%turn]
+         end do
+      end function ways
+
    end subroutine add_works
 
    !> Slip of the step, in space its length, accumulated slip [L], dissipation [F L], Archard's integral of the pressure
