@@ -344,7 +344,7 @@ contains
          call new_error(error, input_refused, names//'take single cases, found a deck with '// &
             trim(merge('&history', '&sweep  ', config%history%is_given)))
       else if (allocated(config%contacts)) then
-         if (any(config%contacts%slides_far())) call new_error(error, input_refused, names//"do not go with "// &
+         if (any(config%contacts%slides_far())) call new_error(error, input_refused, names//'do not go with '// &
             "sliding = 'finite': there is no reduced problem without the places")
       end if
    end subroutine refuse_options

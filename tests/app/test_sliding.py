@@ -136,8 +136,8 @@ class Sliding(HistoryTest):
             self.write("blocks.nml", text + f"&load set = 'foot.top'  {load} /\n")
             run = self.run_program("blocks.nml", status=2 if motion else 0)
             self.assertIn(motion, run.stderr)
-            self.assertEqual("no equilibrium: contact and friction cannot balance the loads; the piece around 0.7, 1.2 is"
-                             " free to " in run.stderr, motion != "")
+            self.assertEqual("no equilibrium: contact and friction cannot balance the loads; the piece around 0.7, 1.2 "
+                             "is free to " in run.stderr, motion != "")
 
     def test_there_is_no_reduced_problem(self):
         self.write("blocks.nml", BLOCKS)
@@ -228,7 +228,8 @@ class Turning(HistoryTest):
 
     def test_set_is_driven_by_force_and_moment(self):
         free = SQUARE.format(grip="top", sole="bottom", turn=0.0).replace(
-            "ux = 0.002  uy = -0.004  turn = 0.0", "force = 0.1, -1.0  moment = 0.05").replace("friction = 0.0", "friction = 0.3")
+            "ux = 0.002  uy = -0.004  turn = 0.0", "force = 0.1, -1.0  moment = 0.05").replace(
+                "friction = 0.0", "friction = 0.3")
         self.walk(free)
         found = self.summary("square")["key_results"]
         self.assertAlmostEqual(found["contact_force_x"], -0.1, delta=1e-8)
@@ -241,7 +242,8 @@ class Turning(HistoryTest):
         self.assertEqual(self.run_program("--verify", "out").stdout, "square: verified\n")
 
     def test_body_turned_by_more_than_a_full_turn_goes_on_from_a_state(self):
-        deck = turned_together(9.0).replace("fields_every = 4", "states_every = 3").replace("substeps = 3", "substeps = 4")
+        deck = turned_together(9.0).replace("fields_every = 4", "states_every = 3").replace(
+            "substeps = 3", "substeps = 4")
         self.walk(deck)
         whole = self.table("turned.history.csv")
         self.assertEqual(float(whole[-1]["rigid_foot_turn"]), 9.0)

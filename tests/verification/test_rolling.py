@@ -7,8 +7,8 @@ rolls, by the share $\mu a/R\,(1 - \sqrt{1 - Q/(\mu P)})$ of its way, where $a$ 
 the pull of its hub. A ring without any support rolls between two
 plates, of which one moves: its center moves by half as much, and it turns by half of this way over its radius.
 
-Tolerances: 2.5 %, since the bodies are no half planes and half the contact is seven sides wide. 0.5 % for the ring, whose
-144 sides roll by their chords and flatten.
+Tolerances: 2.5 %, since the bodies are no half planes and half the contact is seven sides wide. 0.5 % for the ring,
+whose 144 sides roll by their chords and flatten.
 """
 import math
 
