@@ -198,22 +198,13 @@ contains
    subroutine describe_config(visitor, config)
       class(deck_visitor_t), intent(inout) :: visitor !! the visitor
       type(config_t), intent(inout) :: config !! the case
-      integer :: group, i
-      logical :: has(size(rigid_components))
+      integer :: i
 
       visitor%n_dim = config%n_dim
       call describe_case(visitor, config)
       call describe_problem(visitor, config%reduced)
       if (config%reduced%is_given) then
-         do i = 1, size(body_groups)
-            group = 0
-            do
-               group = visitor%deck%next_group(trim(body_groups(i)%name), group)
-               if (group == 0) exit
-               call visitor%deck%fault(group, '', '&'//trim(body_groups(i)%name)// &
-                  " does not go with &problem kind = 'reduced'")
-            end do
-         end do
+         call refuse_body_groups(visitor)
       else
          ! Describes the groups of a body, of what acts on it and of what varies.
          call describe_meshes(visitor, config)
@@ -226,21 +217,7 @@ contains
          do i = config%n_used(use_loads) + 1, size(config%loads)
             if (config%loads(i)%target /= load_on_motion) call describe_load(visitor, config%loads(i))
          end do
-         ! A body of revolution moves along its axis and, if it is twisted, turns about it.
-         has = .not. any(config%materials%is_axisymmetric) .or. [.false., .true., .false., .false., .false., &
-            any(config%materials%is_twisted)]
-         do i = 1, size(config%rigid_sets)
-            associate (set => config%rigid_sets(i))
-               call describe_rigid(visitor, set%motion, set%drive, has)
-               if (visitor%is_judging()) call add_driven_set(config%supports, config%loads, config%ties, set, has)
-            end associate
-         end do
-         do i = 1, size(config%preloads)
-            associate (set => config%preloads(i))
-               call describe_preload(visitor, set%motion, set%drive, set%tie)
-               if (visitor%is_judging()) call add_driven_set(config%supports, config%loads, config%ties, set, has)
-            end associate
-         end do
+         call describe_driven_sets(visitor, config)
          do i = config%n_used(use_contact) + 1, size(config%contacts)
             call describe_contact(visitor, config%contacts(i))
          end do
@@ -261,6 +238,46 @@ contains
       call visitor%require(.not. any(config%contacts%slides_far()), 'fretting', &
          "fretting = 'parameters' does not go with sliding = 'finite'")
    end subroutine describe_config
+
+   !> Describes rigid sets and preloads, and adds the supports, loads and ties that they are.
+   subroutine describe_driven_sets(visitor, config)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      type(config_t), intent(inout) :: config !! the case
+      logical :: has(size(rigid_components))
+      integer :: i
+
+      ! A body of revolution moves along its axis and, if it is twisted, turns about it.
+      has = .not. any(config%materials%is_axisymmetric) .or. [.false., .true., .false., .false., .false., &
+         any(config%materials%is_twisted)]
+      do i = 1, size(config%rigid_sets)
+         associate (set => config%rigid_sets(i))
+            call describe_rigid(visitor, set%motion, set%drive, has)
+            if (visitor%is_judging()) call add_driven_set(config%supports, config%loads, config%ties, set, has)
+         end associate
+      end do
+      do i = 1, size(config%preloads)
+         associate (set => config%preloads(i))
+            call describe_preload(visitor, set%motion, set%drive, set%tie)
+            if (visitor%is_judging()) call add_driven_set(config%supports, config%loads, config%ties, set, has)
+         end associate
+      end do
+   end subroutine describe_driven_sets
+
+   !> Reports the groups of a body in the deck of a reduced problem.
+   subroutine refuse_body_groups(visitor)
+      class(deck_visitor_t), intent(inout) :: visitor !! the visitor
+      integer :: group, i
+
+      do i = 1, size(body_groups)
+         group = 0
+         do
+            group = visitor%deck%next_group(trim(body_groups(i)%name), group)
+            if (group == 0) exit
+            call visitor%deck%fault(group, '', '&'//trim(body_groups(i)%name)// &
+               " does not go with &problem kind = 'reduced'")
+         end do
+      end do
+   end subroutine refuse_body_groups
 
    !> Describes all `&mesh`; a reader allocates the items of the other groups, behind those of a mesh file.
    subroutine describe_meshes(visitor, config)

@@ -86,7 +86,8 @@ module amontons_sliding
       real(dp), allocatable :: gap(:) !! the gaps of all points there (m) [L]
       real(dp), allocatable :: force(:) !! contact forces on the retained points (retained rows) [F]
       real(dp), allocatable :: travel(:, :) !! the motions that supports leave free, from `find_travel`
-      integer, allocatable :: component(:, :) !! of which piece and which of its motions each of them is, 0 else (2, any)
+      integer, allocatable :: component(:, :)
+         !! of which piece and which of its motions each of them is, 0 else (2, any)
       real(dp) :: strain = 0.0_dp !! largest displacement by contact forces, by loads without them [L]
    end type search_t
 
@@ -443,7 +444,8 @@ contains
    !> Finds the motions that supports leave free: those of pieces that turn little, and shifts along x and y and turns
    !> about their points of those that turn far, in the frame of the piece.
    pure subroutine find_travel(travel, component, body, now)
-      real(dp), allocatable, intent(out) :: travel(:, :) !! displacements of the retained points (retained rows, any) [-]
+      real(dp), allocatable, intent(out) :: travel(:, :)
+         !! displacements of the retained points (retained rows, any) [-]
       integer, allocatable, intent(out) :: component(:, :)
          !! of which piece that turns and which of its motions each of them is; 0 for the others (2, any)
       type(body_t), intent(in) :: body !! the body
@@ -627,6 +629,57 @@ contains
       call cholesky_factor(matrix, info)
    end subroutine factorize_compliance
 
+   !> The forces along the motions that supports leave free: those of the loads, and those given to rigid sets that turn
+   !> (motions) [F], [F L].
+   pure function given_force(search, body, loads, acting, problem) result(given)
+      type(search_t), intent(in) :: search !! the search, for its motions
+      type(body_t), intent(in) :: body !! the body
+      type(load_family_t), intent(in) :: loads !! the family of loads
+      class(acting_t), intent(in) :: acting !! the member
+      type(contact_problem_t), intent(in) :: problem !! the problem on the retained points, for its load
+      real(dp), allocatable :: given(:)
+      integer :: i, k
+
+      given = matmul(problem%load, search%travel)
+      do k = 1, size(given)
+         if (.not. is_of_set(search, body, k)) cycle
+         associate (driven => body%turning(search%component(1, k))%driven(search%component(2, k)))
+            given(k) = dot_product(acting%factor, [(loads%parts(i)%driven(driven), i=1, size(loads%parts))])
+         end associate
+      end do
+   end function given_force
+
+   !> Whether a motion is that of a rigid set that turns.
+   pure logical function is_of_set(search, body, motion)
+      type(search_t), intent(in) :: search !! the search
+      type(body_t), intent(in) :: body !! the body
+      integer, intent(in) :: motion !! the motion
+
+      is_of_set = search%component(1, motion) > 0
+      if (is_of_set) is_of_set = body%turning(search%component(1, motion))%rigid > 0
+   end function is_of_set
+
+   !> Sets the displacements of the retained points, and poses: in the frame of its piece a rigid set is at rest.
+   pure subroutine take_motions(search, body, strained, amounts)
+      type(search_t), intent(inout) :: search !! the search; gains displacements and poses
+      type(body_t), intent(in) :: body !! the body
+      real(dp), intent(in) :: strained(:) !! displacements of the retained points without free motions [L]
+      real(dp), intent(in) :: amounts(:) !! amounts of the free motions (motions) [L], [rad]
+      integer :: k
+
+      search%now%v = strained
+      do k = 1, size(amounts)
+         if (is_of_set(search, body, k)) then
+            associate (pose => search%now%poses(search%component(1, k)), axis => search%component(2, k))
+               if (axis < 3) pose%shift(axis) = pose%shift(axis) + amounts(k)
+               if (axis == 3) pose%turn = pose%turn + amounts(k)
+            end associate
+         else
+            search%now%v = search%now%v + amounts(k)*search%travel(:, k)
+         end if
+      end do
+   end subroutine take_motions
+
    !> Solves the contact problem of the near points at their present places.
    !>
    !> Displacements are w = C (F (q - C^T lambda) + R b), with the free motions R of the body and R^T q = (C R)^T
@@ -647,22 +700,15 @@ contains
       real(dp), allocatable :: flexible(:, :), stiffness(:, :), g(:, :), x(:, :), h(:, :), soft(:), &
          free(:), w_free(:), w(:), v(:), b(:), motion(:)
       integer, allocatable :: places(:)
-      logical, allocatable :: is_of_set(:)
-      integer :: i, k, m, n, n_sets, r, info
+      integer :: i, k, m, n, r, info
 
-      n_sets = count(body%turning%rigid > 0)
       associate (rows => search%rows, force => search%force, travel => search%travel)
          m = size(search%gap)
          n = size(rows%point)
          r = size(rows%base)
          allocate (flexible(size(force), r), stiffness(r, r), free(size(force)), g(r, size(travel, 2)))
          call symmetric_multiply(body%flexibility, problem%load, free)
-         motion = matmul(problem%load, travel)
-         is_of_set = [(any(search%component(1, k) == [(i, i=1, n_sets)]), k=1, size(motion))]
-         do k = 1, size(motion)
-            if (is_of_set(k)) motion(k) = dot_product(acting%factor, [(loads%parts(i)%driven(body%turning( &
-               search%component(1, k))%driven(search%component(2, k))), i=1, size(loads%parts))])
-         end do
+         motion = given_force(search, body, loads, acting, problem)
          do i = 1, r
             flexible(:, i) = 0.0_dp
             do k = rows%start(i), rows%start(i + 1) - 1
@@ -729,15 +775,7 @@ contains
          search%strain = maxval(abs(v))
          if (.not. search%strain > 0.0_dp) search%strain = maxval(abs(free))
          b = b + matmul(g, near%displacement - soft*near%force - w_free)
-         search%now%v = free - v + matmul(travel, merge(0.0_dp, b, is_of_set))
-         ! In the frame of its piece a rigid set is at rest.
-         do k = 1, size(b)
-            if (.not. is_of_set(k)) cycle
-            associate (pose => search%now%poses(search%component(1, k)), axis => search%component(2, k))
-               if (axis < 3) pose%shift(axis) = pose%shift(axis) + b(k)
-               if (axis == 3) pose%turn = pose%turn + b(k)
-            end associate
-         end do
+         call take_motions(search, body, free - v, b)
          search%force = 0.0_dp
          do i = 1, r
             if (rows%is_fixed(i)) cycle

@@ -173,8 +173,8 @@ contains
          ! So do loads that cancel, and free expansion.
          least_scale = max(least_scale, rounding_share*sum(load_case%uncanceled))
          do i = 1, size(body%motions)
-            least_scale = max(least_scale, resting_scale(body, body%motions(i)%node, displacement, loads, reaction, &
-               contact, force_size, any(load_case%loads%target == load_by_temperature), moved))
+            least_scale = max(least_scale, resting_scale(body, body%motions(i)%node, displacement, load_case, reaction, &
+               contact, force_size, moved))
          end do
          certificate%force_scale = max(sums%largest_load, sums%largest_reaction, sums%largest_contact, least_scale)
          if (present(poses)) then
@@ -254,16 +254,15 @@ contains
    !> The smallest scale of the forces on a piece without loads: a share of |K| |u| if these forces are all rounding
    !> errors and no element is strained, otherwise 0. Forces in a strained soft part may be as small relative to the |K|
    !> |u| of a stiff part without being errors. Heat strains elements without forces [F].
-   real(dp) function resting_scale(body, nodes, displacement, loads, reaction, contact, force_size, is_heated, whole) &
+   real(dp) function resting_scale(body, nodes, displacement, load_case, reaction, contact, force_size, whole) &
       result(scale)
       type(body_t), intent(in) :: body !! the body
       integer, intent(in) :: nodes(:) !! the nodes of the piece
       real(dp), intent(in) :: displacement(:, :) !! displacement of the nodes (components, n_nodes) [L]
-      real(dp), intent(in) :: loads(:, :) !! nodal forces of the loads (components, n_nodes) [F]
+      type(load_case_t), intent(in) :: load_case !! the loads
       real(dp), intent(in) :: reaction(:, :) !! nodal reactions (components, n_nodes) [F]
       real(dp), intent(in) :: contact(:, :) !! nodal forces of the obstacle (components, n_nodes) [F]
       real(dp), intent(in) :: force_size !! size of the forces on all pieces [F]
-      logical, intent(in) :: is_heated !! whether there are thermal strains
       real(dp), intent(in), optional :: whole(:, :)
          !! displacements with the poses of pieces that turn far, whose rounding elastic ones have (components, n_nodes)
          !! [L]
@@ -278,8 +277,8 @@ contains
 
       scale = 0.0_dp
       size_here = max(maxval(abs(reaction(:, nodes))), maxval(abs(contact(:, nodes))))
-      if (any(abs(loads(:, nodes)) > 0.0_dp)) return
-      if (any(abs(loads) > 0.0_dp) .and. size_here > least_share*force_size) return
+      if (any(abs(load_case%force(:, nodes)) > 0.0_dp)) return
+      if (any(abs(load_case%force) > 0.0_dp) .and. size_here > least_share*force_size) return
       allocate (moved, magnitude, mold=displacement)
       moved = 0.0_dp
       magnitude = 0.0_dp
@@ -288,7 +287,7 @@ contains
          magnitude(:, nodes) = of_all(:, nodes)
       end associate
       if (present(whole)) magnitude(:, nodes) = max(magnitude(:, nodes), abs(whole(:, nodes)))
-      if (.not. is_heated) then
+      if (.not. any(load_case%loads%target == load_by_temperature)) then
          if (is_strained(body%mesh, body%materials, moved, maxval(magnitude), negligible_share)) return
       end if
       uncanceled = uncanceled_force(body%mesh, body%materials, magnitude)

@@ -4,8 +4,8 @@
 !>
 !> The tables are those of a checkpoint: a run that was interrupted is continued after the last rows saved. The progress
 !> is a list of numbers, from which another history may start as well.
+! allow(S271): gfortran 12 fails if the modules are in order
 module amontons_history_files
-   ! allow(S271): gfortran 12 fails if the modules are in order
    use amontons_case_label, only: case_label_t
    use amontons_body, only: body_t
    use amontons_checkpoint, only: archive_t, checkpoint_t, new_checkpoint

@@ -505,7 +505,8 @@ contains
       real(dp), allocatable :: forces(:)
 
       associate (factor => state%instant%factor, v => state%solution%body_displacement(), &
-         force => state%solution%body_force(), normal => state%solution%force(:size(state%solution%status)), loads => model%solver%loads)
+         force => state%solution%body_force(), normal => state%solution%force(:size(state%solution%status)), &
+         loads => model%solver%loads)
          state%bound = loads%base%slip_bound + loads%friction_of(state%instant)*max(0.0_dp, normal)
          where (all(body%zone%is_fixed, dim=1)) state%bound = 0.0_dp
          forces = model%energies%forces%values(factor, v, force)
