@@ -26,6 +26,7 @@ module amontons_load_solver
       rigid_part, settle
    use amontons_methods, only: method_options_t, new_contact_method, solve_components
    use amontons_newton, only: newton_t
+   use amontons_pose, only: stated_poses
    use amontons_result, only: outcome_no_equilibrium, outcome_not_converged, outcome_numbers, outcome_solved
    use amontons_sliding, only: beginning_t, slide
    use amontons_text, only: short_text
@@ -172,7 +173,7 @@ contains
       call slide(body, self%loads, self%method, acting, problem, solution, error, before)
       if (.not. (allocated(error) .or. solution%is_converged)) then
          call self%loads%load_case(body, acting, load_case)
-         call check_balance(body, load_case, error)
+         call check_balance(body, load_case, error, poses=stated_poses(body%turning, solution%posed))
       end if
       outcome = merge(outcome_solved, outcome_not_converged, solution%is_converged)
       if (.not. allocated(error)) return

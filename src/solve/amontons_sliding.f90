@@ -9,9 +9,10 @@
 !> Slips are differences of the places relative to each other, in the frame of the point at the end of the step and in
 !> that at its beginning: a common motion of both bodies is no slip, and nothing but places is handed over to the next
 !> step when partners change.
+! allow(S271): gfortran 12 fails if the modules are in order
 module amontons_sliding
-   use amontons_body, only: body_t
    use amontons_condensation, only: dependent_row, spring_share
+   use amontons_body, only: body_t
    use amontons_contact_operator, only: contact_operator_t, new_stiffness_operator
    use amontons_contact_problem, only: contact_problem_t, new_contact_problem
    use amontons_contact_set, only: contact_t

@@ -241,6 +241,15 @@ class Turning(HistoryTest):
         self.assertLess(found["contact_centroid_x"], 0.0)
         self.assertEqual(self.run_program("--verify", "out").stdout, "square: verified\n")
 
+    def test_moment_beyond_friction_has_no_equilibrium(self):
+        # The floor holds the sole by 0.3 of the load at most, with an arm of 0.2.
+        text = SQUARE.format(grip="top", sole="bottom", turn=0.0).replace(
+            "ux = 0.002  uy = -0.004  turn = 0.0", "force = 0.4, -1.0  turn = 0.0").replace(
+                "friction = 0.0", "friction = 0.3")
+        run = self.walk(text, status=2)
+        self.assertIn("no equilibrium: contact and friction cannot balance the loads; ", run.stderr)
+        self.assertIn("is free to translate along (1.0, 0.3", run.stderr)
+
     def test_body_turned_by_more_than_a_full_turn_goes_on_from_a_state(self):
         deck = turned_together(9.0).replace("fields_every = 4", "states_every = 3").replace(
             "substeps = 3", "substeps = 4")

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 r"""A driven wheel, and a roller between two plates.
 
-With `sliding = 'finite'` bodies that a rigid set alone supports, or nothing, may turn by any angle. An elastic wheel of
-radius $R$ rolls on an elastic floor, pressed by $P$ and driven by a torque. Carter (1926): it turns by more than it
-rolls, by the share $\mu a/R\,(1 - \sqrt{1 - Q/(\mu P)})$ of its way, where $a$ is half the width of the contact and $Q$
-the pull of its hub. A ring without any support rolls between two
-plates, of which one moves: its center moves by half as much, and it turns by half of this way over its radius.
+With `sliding = 'finite'` bodies that a rigid set alone supports, or nothing, may turn by any angle. An elastic wheel
+of radius $R$ rolls on an elastic floor, pressed by $P$ and driven by a torque. Carter (1926): it turns by more than
+it rolls, by the share $\mu a/R\,(1 - \sqrt{1 - Q/(\mu P)})$ of its way, where $a$ is half the width of the contact
+and $Q$ the pull of its hub. A ring without any support rolls between two plates, of which one moves: its center moves
+by half as much, and it turns by half of this way over its radius.
 
 Tolerances: 2.5 %, since the bodies are no half planes and half the contact is seven sides wide. 0.5 % for the ring,
 whose 144 sides roll by their chords and flatten.

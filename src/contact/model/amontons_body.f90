@@ -89,6 +89,8 @@ module amontons_body
       type(turning_piece_t), allocatable :: may_turn(:)
          !! the pieces that may turn far, where they slide far; the rigid sets of the first ones count as held
       type(turning_piece_t), allocatable :: turning(:) !! those of them that the loads let turn, from `new_load_case`
+      type(rigid_motions_t), allocatable :: unheld(:)
+         !! the rigid motions that supports leave free with those of these rigid sets; allocated where some may turn
       real(dp), allocatable :: flexibility(:, :)
          !! inverse of S on the retained points, where the points slide far; of a body with free motions that of S and a
          !! multiple of their squares (retained rows, retained rows) [L/F]
@@ -297,6 +299,7 @@ contains
             end do
          end associate
       end do
+      if (any(body%may_turn%rigid > 0)) call move_alloc(motions, body%unheld)
    end subroutine hold_turning_sets
 
    !> Refuses rigid sets that share nodes with the slave of a tie, which could follow only one of them.

@@ -25,7 +25,8 @@ module amontons_loose_bodies
    use amontons_friction_law, only: open_point, tangential_norm
    use amontons_kinds, only: dp
    use amontons_load_family, only: load_case_t
-   use amontons_rigid_motion, only: largest_motion, resting_motions
+   use amontons_pose, only: pose_t
+   use amontons_rigid_motion, only: largest_motion, resting_motions, rigid_motions_t
    use amontons_rounding, only: computed_rounding, difference_rounding, sum_rounding
    implicit none (type, external)
    private
@@ -36,8 +37,40 @@ contains
 
    !> Refuses loads that no contact forces can balance, with friction in proportion to normal forces of any size, or as
    !> large as it is at known ones. Points that slide far are where they have been found, on a line that is not round.
-   pure subroutine check_balance(body, load_case, error, bound)
+   pure subroutine check_balance(body, load_case, error, bound, poses)
       type(body_t), intent(in) :: body !! the body
+      type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
+      type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
+      real(dp), intent(in), optional :: bound(:) !! what friction bears at the normal forces that were found (m) [F]
+      type(pose_t), intent(in), optional :: poses(:) !! the poses of the pieces that turn far
+      type(pose_t) :: turn
+      real(dp) :: coordinates(size(body%mesh%coordinates, 1), body%mesh%n_nodes)
+      integer :: i, k
+
+      coordinates = body%mesh%coordinates
+      if (present(poses)) then
+         ! Arms turn; motions are counted from places at rest.
+         do k = 1, size(poses)
+            turn = pose_t(turn=poses(k)%turn, pivot=poses(k)%pivot)
+            do i = 1, size(body%turning(k)%node)
+               associate (x => coordinates(:, body%turning(k)%node(i)))
+                  x = x + turn%displacement(x)
+               end associate
+            end do
+         end do
+      end if
+      if (allocated(body%unheld)) then
+         call judge_balance(body, body%unheld, coordinates, load_case, error, bound)
+      else
+         call judge_balance(body, body%motions, coordinates, load_case, error, bound)
+      end if
+   end subroutine check_balance
+
+   !> Refuses loads that no contact forces can balance along some motions.
+   pure subroutine judge_balance(body, motions, coordinates, load_case, error, bound)
+      type(body_t), intent(in) :: body !! the body
+      type(rigid_motions_t), intent(in) :: motions(:) !! the motions that supports leave free
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes, turned with their pieces (n_dim, n_nodes) [L]
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
       real(dp), intent(in), optional :: bound(:) !! what friction bears at the normal forces that were found (m) [F]
@@ -47,12 +80,12 @@ contains
       character(:), allocatable :: bearing, advice
       real(dp) :: scale, share, least
 
-      if (all(body%motions%n_free == 0)) return
-      call find_works(work, scale, body, load_case)
+      if (all(motions%n_free == 0)) return
+      call find_works(work, scale, body, motions, coordinates, load_case)
       ! A hundredth of the residual of methods, whose scale may be a small part of the loads that cancel. Levers have
       ! the rounding errors of coordinates. Of a round cone the square of the remainder is rounding.
       share = merge(sum_rounding, sqrt(sum_rounding), body%zone%n_tangents == 1) + epsilon(scale)*maxval(abs( &
-         body%mesh%coordinates))/minval(body%motions%radius, mask=body%motions%n_free > 0)
+         body%mesh%coordinates))/minval(motions%radius, mask=motions%n_free > 0)
       ! Normal forces that were found have ten times the residual of methods.
       if (present(bound)) share = max(share, computed_rounding)
       ! Loads that cancel, each other or with reactions, leave their rounding errors, and those of directions of sides.
@@ -63,51 +96,63 @@ contains
          bearing = 'all contact points slip or open, and friction'
          advice = '; add a support or friction'
       end if
-      call find_rigid_modes(modes, body%zone, body%motions, body%mesh%coordinates, is_mated=.false.)
+      call find_rigid_modes(modes, body%zone, motions, coordinates, is_mated=.false.)
       remainder = unbalanced_work(body, load_case, modes, work, bound)
       if (norm2(remainder) > max(share*scale, least)) then
          if (body%zone%n_points == 0) then
             call new_error(error, no_equilibrium, 'no equilibrium: nothing balances the loads; '// &
-               largest_motion(body%motions, remainder)//'; add a support or a contact set')
+               largest_motion(motions, remainder)//'; add a support or a contact set')
          else
             call new_error(error, no_equilibrium, 'no equilibrium: '//bearing//' cannot balance the loads; '// &
-               largest_motion(body%motions, remainder)// &
-               advice)
+               largest_motion(motions, remainder)//advice)
          end if
       else if (.not. body%slides_far) then
          call find_round_motions(amounts, moved, body, load_case%is_in_reach)
          remainder = matmul(amounts, unbalanced_work(body, load_case, moved, matmul(work, amounts), bound))
          if (norm2(remainder) > max(unbalanced_when_round*scale, least)) call new_error(error, no_equilibrium, &
             'no equilibrium but for the irregularities of the mesh: '//bearing//' on the round line that its nodes '// &
-            'lie on cannot balance the loads; '//largest_motion(body%motions, remainder)//'; add a support or friction')
+            'lie on cannot balance the loads; '//largest_motion(motions, remainder)//'; add a support or friction')
       end if
-   end subroutine check_balance
+   end subroutine judge_balance
 
    !> Finds the works of the loads on the free motions, and how large the terms are that they are sums of.
-   pure subroutine find_works(work, scale, body, load_case)
+   pure subroutine find_works(work, scale, body, motions, coordinates, load_case)
       real(dp), allocatable, intent(out) :: work(:) !! the works (motions) [F]
       real(dp), intent(out) :: scale !! sum of the magnitudes of what makes up the works [F]
       type(body_t), intent(in) :: body !! the body
+      type(rigid_motions_t), intent(in) :: motions(:) !! the free motions
+      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes, turned with their pieces (n_dim, n_nodes) [L]
       type(load_case_t), intent(in) :: load_case !! its loads
       ! The work of a force across a motion is rounding, which grows with the force.
       real(dp), parameter :: least_share = 1.0e-4_dp
-      real(dp), allocatable :: own(:), moved(:, :)
+      real(dp), allocatable :: own(:), moved(:, :), beside(:, :)
       integer :: i, k, last
 
       scale = 0.0_dp
       last = 0
-      allocate (work(sum(body%motions%n_free)), source=0.0_dp)
-      do k = 1, size(body%motions)
-         associate (motions => body%motions(k), of_piece => work(last + 1:last + body%motions(k)%n_free))
-            if (motions%n_free == 0) cycle
-            last = last + motions%n_free
-            do i = 1, size(motions%node)
-               associate (force => load_case%force(:, motions%node(i)))
+      allocate (work(sum(motions%n_free)), source=0.0_dp)
+      do k = 1, size(motions)
+         associate (of_piece => work(last + 1:last + motions(k)%n_free))
+            if (motions(k)%n_free == 0) cycle
+            last = last + motions(k)%n_free
+            do i = 1, size(motions(k)%node)
+               associate (node => motions(k)%node(i), force => load_case%force(:, motions(k)%node(i)))
                   if (.not. any(abs(force) > 0.0_dp)) cycle
-                  moved = motions%displacement(body%mesh%coordinates(:, motions%node(i)), motions%node(i))
+                  moved = motions(k)%displacement(coordinates(:, node), node)
                   own = matmul(force, moved)
                   of_piece = of_piece + own
                   scale = scale + max(maxval(abs(own)), least_share*norm2(force)*maxval(norm2(moved, dim=1)))
+               end associate
+            end do
+            ! Force and moment of a rigid set that turns act at its point.
+            do i = 1, count(body%turning%rigid > 0)
+               associate (piece => body%turning(i), given => load_case%driven(body%turning(i)%driven))
+                  if (all(motions(k)%node /= piece%node(1)) .or. .not. any(abs(given) > 0.0_dp)) cycle
+                  moved = motions(k)%displacement(piece%point, piece%node(1))
+                  beside = motions(k)%displacement(piece%point + [1.0_dp, 0.0_dp], piece%node(1))
+                  own = matmul(given(:2), moved) + given(3)*(beside(2, :) - moved(2, :))
+                  of_piece = of_piece + own
+                  scale = scale + max(maxval(abs(own)), least_share*norm2(given(:2))*maxval(norm2(moved, dim=1)))
                end associate
             end do
          end associate
