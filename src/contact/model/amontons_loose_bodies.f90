@@ -44,7 +44,7 @@ contains
       real(dp), intent(in), optional :: bound(:) !! what friction bears at the normal forces that were found (m) [F]
       type(pose_t), intent(in), optional :: poses(:) !! the poses of the pieces that turn far
       type(pose_t) :: turn
-      real(dp) :: coordinates(size(body%mesh%coordinates, 1), body%mesh%n_nodes)
+      real(dp), allocatable :: coordinates(:, :)
       integer :: i, k
 
       coordinates = body%mesh%coordinates
