@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures the program on the long bar, alone and beside GetFEM, CalculiX and Siconos where their Debian packages are
-# installed (scripts/setup.sh peers installs them), and prints Markdown tables. felupe is measured in an environment of its
-# own: python3 -m venv build/felupe && build/felupe/bin/pip install felupe==11.3.0
+# installed (scripts/setup.sh peers installs them), and prints Markdown tables. felupe is measured in an environment of
+# its own: python3 -m venv build/felupe && build/felupe/bin/pip install felupe==11.3.0
 # Usage: bench.sh [--ranks] [--full] [--update]
 #   --ranks     instead: over 1 to 16 ranks of MPI
 #   --full      up to 1024 x 1024 cells: about 5 minutes with all peers, and 4 GB of memory

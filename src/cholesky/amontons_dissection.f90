@@ -284,7 +284,10 @@ contains
                      cycle
                   end if
                end if
-            else if (is_last(i)) then
+               depth = depth - 1
+               cycle
+            end if
+            if (is_last(i)) then
                n_found = n_found + 1
                next(i) = -1
                do k = depth - 1, 1, -1
@@ -295,20 +298,19 @@ contains
                end do
                previous(first) = -1
                exit
-            else if (next(i) /= 0 .and. .not. seen(1, i)) then
+            end if
+            if (next(i) /= 0 .and. .not. seen(1, i)) then
                call go(i)
                cycle
-            else
-               do while (arc(i) < start(i + 1))
-                  k = near(arc(i))
-                  arc(i) = arc(i) + 1
-                  if (seen(1, k)) cycle
-                  call go(k)
-                  exit
-               end do
-               if (path(depth) /= -i) cycle
             end if
-            depth = depth - 1
+            do while (arc(i) < start(i + 1))
+               k = near(arc(i))
+               arc(i) = arc(i) + 1
+               if (seen(1, k)) cycle
+               call go(k)
+               exit
+            end do
+            if (path(depth) == -i) depth = depth - 1
          end do
       end do
 

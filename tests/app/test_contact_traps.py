@@ -81,7 +81,8 @@ class ContactTraps(ProgramTest):
         for element in ELEMENTS:
             for name in ("facet", "corner", "edge", "middle"):
                 result = self.solve_verified(solid(
-                    "support set = 'left'  ux = 0.0", "support set = 'front'  uy = 0.0", "load set = 'top'  pressure = 1.0",
+                    "support set = 'left'  ux = 0.0", "support set = 'front'  uy = 0.0",
+                    "load set = 'top'  pressure = 1.0",
                     f"contact set = 'bottom'  obstacle = 'surface'  file = '{name}.stl'", cells="4, 4, 2",
                     element=element))
                 self.expect_pressures(result, (None, None, 1.0), f"{element} {name}")

@@ -117,10 +117,11 @@ class Input(ProgramTest):
 
     def test_pipe_flange_loses_its_thrust_and_keeps_its_bolt(self):
         with open(self.directory / "pipe_flange.history.csv", encoding="utf-8") as table:
-            keys = ("preload_bolt_force", "preload_bolt_shortening", "force_normal_head", "force_normal_joint", "open_area")
+            keys = ("preload_bolt_force", "preload_bolt_shortening", "force_normal_head", "force_normal_joint",
+                    "open_area")
             rows = {row["time"]: {key: float(row[key]) for key in keys} for row in csv.DictReader(table)}
-        # Springs of VDI 2230: the shank with 0.4 of its diameter for head and nut, and cones of 26 + z mm in the flanges,
-        # 20 mm of 210 GPa and 24 mm of 110 GPa around a hole of 18 mm.
+        # Springs of VDI 2230: the shank with 0.4 of its diameter for head and nut, and cones of 26 + z mm in the
+        # flanges, 20 mm of 210 GPa and 24 mm of 110 GPa around a hole of 18 mm.
         bolt = (44 + 0.8*16)/(210e3*math.pi*8**2)
         cones = 2*math.log((26 + 18)*(26 + 22 - 18)/((26 - 18)*(26 + 22 + 18)))/(math.pi*18*0.5)
         joint = cones*(20/44/210e3 + 24/44/110e3)
@@ -128,8 +129,8 @@ class Input(ProgramTest):
         self.assertAlmostEqual(rows["1.0"]["preload_bolt_shortening"]/(60e3*(bolt + joint)), 1.0, delta=0.03)
         for time, row in rows.items():
             thrust = 3141.5927*max(0.0, float(time) - 1.0)
-            # Statics of the bolt, to the certificate's 1e-8 of 30 000, and of the upper flange: the ends of its bore are
-            # arcs of other nodes, and 10 MPa act on 1e-3 mm^2 between these.
+            # Statics of the bolt, to the certificate's 1e-8 of 30 000, and of the upper flange: the ends of its bore
+            # are arcs of other nodes, and 10 MPa act on 1e-3 mm^2 between these.
             self.assertAlmostEqual(row["force_normal_head"], row["preload_bolt_force"], delta=3e-4)
             self.assertAlmostEqual(row["force_normal_joint"], row["preload_bolt_force"] - thrust, delta=0.02)
         self.assertAlmostEqual(rows["2.0"]["preload_bolt_force"]/30e3, 0.9943, delta=1e-4)

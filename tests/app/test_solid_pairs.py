@@ -153,11 +153,12 @@ class SolidPairs(ProgramTest):
         high = block_of_hexahedra("high", (2, 2, 1), list)
         both = [("low.top", kind, points) for name, kind, points in high if name == "high.bottom"]
         self.write("blocks.msh", mesh_text(low, high + both))
-        run = self.run_program(self.write("case.nml", "&mesh file = 'blocks.msh' /\n&material young = 100.0  poisson = 0.3 "
-                                          "/\n&support set = 'low.bottom'  uz = 0.0 /\n&load set = 'high.top'  pressure = "
-                                          "1.0 /\n&contact set = 'high.bottom'  against = 'low.top' /\n"), status=1)
-        self.assertIn("'high.bottom' and 'low.top' share nodes, as at 0.0, 0.0, 0.0: these bodies are joined there, or both "
-                      "sets have a side\n", run.stderr)
+        deck = self.write("case.nml", "&mesh file = 'blocks.msh' /\n&material young = 100.0  poisson = 0.3 /\n"
+                          "&support set = 'low.bottom'  uz = 0.0 /\n&load set = 'high.top'  pressure = 1.0 /\n"
+                          "&contact set = 'high.bottom'  against = 'low.top' /\n")
+        run = self.run_program(deck, status=1)
+        self.assertIn("'high.bottom' and 'low.top' share nodes, as at 0.0, 0.0, 0.0: these bodies are joined there, or "
+                      "both sets have a side\n", run.stderr)
 
     def test_plane_of_symmetry_through_both_bodies_loses_no_friction(self):
         # Corners of the master beside the plane are nearer than those on it, which they were mistaken for.

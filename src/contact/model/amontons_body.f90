@@ -39,7 +39,7 @@ module amontons_body
    use amontons_system, only: available_memory_mb, peak_memory_mb, resident_memory_mb, return_memory
    use amontons_taken, only: taken_t
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, timings_t
-   use amontons_text, only: place_text, to_text
+   use amontons_text, only: place_text
    implicit none (type, external)
    private
 

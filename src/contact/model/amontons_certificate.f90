@@ -173,8 +173,8 @@ contains
          ! So do loads that cancel, and free expansion.
          least_scale = max(least_scale, rounding_share*sum(load_case%uncanceled))
          do i = 1, size(body%motions)
-            least_scale = max(least_scale, resting_scale(body, body%motions(i)%node, displacement, load_case, reaction, &
-               contact, force_size, moved))
+            least_scale = max(least_scale, resting_scale(body, body%motions(i)%node, displacement, load_case, &
+               reaction, contact, force_size, moved))
          end do
          certificate%force_scale = max(sums%largest_load, sums%largest_reaction, sums%largest_contact, least_scale)
          if (present(poses)) then

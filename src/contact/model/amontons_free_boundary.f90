@@ -417,7 +417,7 @@ contains
 
    !> Whether a point lies in a body: its straight sides above the point wind around it. Corners above or below the
    !> point count as lying on its left, so that one of their two sides is met, both or none.
-   pure logical function contains_point(sides, coordinates, point) result(contains)
+   pure logical function contains_point(sides, coordinates, point) result(is_inside)
       integer, intent(in) :: sides(:, :) !! the sides of the boundary, body on the left (4, sides)
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
       real(dp), intent(in) :: point(2) !! the point [L]
@@ -431,7 +431,7 @@ contains
             winding = winding + merge(1, -1, a(1) > b(1))
          end associate
       end do
-      contains = winding > 0
+      is_inside = winding > 0
    end function contains_point
 
    !> The distance of a point from a straight side [L].

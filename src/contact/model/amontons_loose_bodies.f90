@@ -70,7 +70,8 @@ contains
    pure subroutine judge_balance(body, motions, coordinates, load_case, error, bound)
       type(body_t), intent(in) :: body !! the body
       type(rigid_motions_t), intent(in) :: motions(:) !! the motions that supports leave free
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes, turned with their pieces (n_dim, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :)
+         !! coordinates of the nodes, turned with their pieces (n_dim, n_nodes) [L]
       type(load_case_t), intent(in) :: load_case !! its loads, obstacles and friction
       type(error_t), allocatable, intent(out) :: error !! there is no equilibrium; names the motion
       real(dp), intent(in), optional :: bound(:) !! what friction bears at the normal forces that were found (m) [F]
@@ -121,7 +122,8 @@ contains
       real(dp), intent(out) :: scale !! sum of the magnitudes of what makes up the works [F]
       type(body_t), intent(in) :: body !! the body
       type(rigid_motions_t), intent(in) :: motions(:) !! the free motions
-      real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes, turned with their pieces (n_dim, n_nodes) [L]
+      real(dp), intent(in) :: coordinates(:, :)
+         !! coordinates of the nodes, turned with their pieces (n_dim, n_nodes) [L]
       type(load_case_t), intent(in) :: load_case !! its loads
       ! The work of a force across a motion is rounding, which grows with the force.
       real(dp), parameter :: least_share = 1.0e-4_dp

@@ -12,7 +12,8 @@ module amontons_pose
    implicit none (type, external)
    private
 
-   public :: elastic_part, find_turning_pieces, pose_t, stated_poses, turn_back, turn_forth, turning_piece_t, whole_displacement
+   public :: elastic_part, find_turning_pieces, pose_t, stated_poses, turn_back, turn_forth, turning_piece_t, &
+      whole_displacement
 
    !> A finite motion: in the plane a rotation about the pivot, and then a shift.
    type :: pose_t
@@ -125,8 +126,8 @@ contains
       rotated = cos(self%turn)*vector + merge(-1.0_dp, 1.0_dp, is_back)*sin(self%turn)*turned(vector)
    end function pose_rotated
 
-   !> The pose of displaced nodes: the nearest motion of its reference nodes, in the least squares (Kabsch). Of the turns
-   !> that differ by full ones it is the one nearest to another pose.
+   !> The pose of displaced nodes: the nearest motion of its reference nodes, in the least squares (Kabsch). Of the
+   !> turns that differ by full ones it is the one nearest to another.
    pure type(pose_t) function turning_piece_pose(self, coordinates, displacement, near) result(pose)
       class(turning_piece_t), intent(in) :: self !! the piece
       real(dp), intent(in) :: coordinates(:, :) !! coordinates of the nodes (2, n_nodes) [L]
@@ -156,8 +157,8 @@ contains
    end function turning_piece_pose
 
    !> The displacements of the nodes of a piece in a unit of one of its motions, in the frame of the piece; 0 at others
-   !> (2, n_nodes) [-], [L]. Arms are those of the strained shape; a piece without a rigid set can be in equilibrium only
-   !> with those at rest.
+   !> (2, n_nodes) [-], [L]. Arms are those of the strained shape; a piece without a rigid set can be in equilibrium
+   !> only with those at rest.
    pure function turning_piece_unit_motion(self, pose, axis, coordinates, elastic) result(field)
       class(turning_piece_t), intent(in) :: self !! the piece
       type(pose_t), intent(in) :: pose !! its pose

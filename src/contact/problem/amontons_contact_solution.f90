@@ -33,8 +33,8 @@ module amontons_contact_solution
          !! shift and turn of each piece that turns, and force and moment that its rigid set exerts on it; allocated
          !! beside these (6, pieces) [L], [rad], [F], [F L]
       real(dp), allocatable :: pushed(:, :)
-         !! force on the rigid obstacle of each contact set, and moment about its pivot; allocated beside these (4, sets)
-         !! [F], [F L]
+         !! force on the rigid obstacle of each contact set, and moment about its pivot; allocated beside these
+         !! (4, sets) [F], [F L]
       integer, allocatable :: status(:) !! status of each point, see `amontons_friction_law` (m)
       logical :: is_converged = .false. !! whether the residual is at most the tolerance
       logical :: is_at_rest = .false. !! whether the method stopped because its forces no longer changed
