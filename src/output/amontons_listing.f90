@@ -25,7 +25,7 @@ module amontons_listing
    use amontons_terminal, only: phase_assemble, phase_condense, phase_factorize, phase_names, phase_read, &
       phase_recover, phase_solve, timings_t
    use amontons_text, only: append_text, as_lines, comma_separated, counted, flush_right, heading, labeled, line_end, &
-      newline, vector_text, scientific, short_text, to_text, unit_of, with_unit
+      newline, place_text, vector_text, scientific, short_text, to_text, unit_of, with_unit
    use amontons_uniqueness, only: all_solutions_t, uniqueness_t
    use amontons_version, only: version
    implicit none (type, external)
@@ -178,6 +178,15 @@ contains
       do i = 1, size(body%ties)
          text = text//labeled('Tie', body%ties(i)%label//' (slave/master)')// &
             labeled('Sides', roles_text(body%ties(i), units))
+      end do
+      do i = 1, size(body%turning)
+         associate (piece => body%turning(i))
+            if (piece%rigid > 0) then
+               text = text//labeled('Turns far', "the body of '"//trim(body%driven(piece%driven(1))%name)//"'")
+            else
+               text = text//labeled('Turns far', 'the body around '//place_text(piece%point))
+            end if
+         end associate
       end do
       text = text//labeled('Contact points', to_text(body%zone%n_points))
       first = 1

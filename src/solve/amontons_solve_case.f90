@@ -30,7 +30,7 @@ module amontons_solve_case
    use amontons_mesh_file, only: new_mesh
    use amontons_methods, only: method_options_t
    use amontons_model_warnings, only: add_model_warnings
-   use amontons_pose, only: elastic_part, pose_t, stated_poses, turn_back, turn_forth, whole_displacement
+   use amontons_pose, only: elastic_part, pose_t, stated_poses, turn_forth, turn_vectors, whole_displacement
    use amontons_recovery_tables, only: known_tractions_t, new_recovery_tables, recovery_tables_t
    use amontons_result, only: depth_worn, factor_t, outcome_no_equilibrium, outcome_numbers, result_t
    use amontons_result_warnings, only: add_result_warnings
@@ -503,7 +503,7 @@ contains
          is_meant(pack(body%zone%passed_point(2, :), body%zone%passed_point(1, :) == i)) = .true.
          traction = body%zone%rows%forces(merge(force, 0.0_dp, [(is_meant, k=0, body%zone%n_tangents)]), &
             body%mesh%n_nodes)
-         if (present(poses)) call turn_back(body%turning, poses, traction)
+         if (present(poses)) call turn_vectors(body%turning, poses, traction, is_back=.true.)
          area = norm2(body%zone%rows%forces([merge(body%zone%area, 0.0_dp, is_meant), 0.0_dp*force], &
             body%mesh%n_nodes), dim=1)
          ! The contact zone was made of these patches, so they are sound.

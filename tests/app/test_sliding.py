@@ -154,6 +154,7 @@ class Sliding(HistoryTest):
                               "&rigid name = 'grip'  set = 'foot.top'  ux = 0.0  uy = 0.0  turn = 0.08 /\n"
                               "&support set = 'foot.right'  spring_n = 1e-3 /")
         self.walk(text)
+        self.assertNotIn("Turns far", self.text("blocks.lst"))
         self.assertRegex(self.text("blocks.lst"), "a turn of 0.0[78].* rad: with sliding = 'finite' bodies move")
 
     def test_foot_that_passes_through_the_floor_in_one_step_is_refused(self):
@@ -209,6 +210,8 @@ class Turning(HistoryTest):
         self.assertAlmostEqual(float(rows[-1]["ux_1"]) + 0.35, x * math.cos(1.0) - y * math.sin(1.0), delta=1e-10)
         self.assertAlmostEqual(float(rows[-1]["uy_1"]) + 0.996, x * math.sin(1.0) + y * math.cos(1.0), delta=1e-10)
         self.assertEqual(self.run_program("--verify", "out").stdout, "turned: verified\n")
+        for name in ("foot", "floor"):
+            self.assertIn(f"Turns far           the body of '{name}'\n", self.text("turned.lst"))
 
     def test_square_on_any_of_its_sides(self):
         results = []

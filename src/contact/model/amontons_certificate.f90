@@ -14,7 +14,7 @@ module amontons_certificate
    use amontons_load_family, only: load_case_t
    use amontons_loads, only: load_by_temperature
    use amontons_named_forces, only: force_values, named_quantities, set_named_values, set_posed_values
-   use amontons_pose, only: pose_t, turn_back, whole_displacement
+   use amontons_pose, only: pose_t, turn_vectors, whole_displacement
    use amontons_quantity, only: quantity_t, relative
    use amontons_rigid_motion, only: rigid_motions_t
    implicit none (type, external)
@@ -103,7 +103,7 @@ contains
          !! nodal forces that the stresses amount to, from `new_stress_field`, if known (components, n_nodes) [F]
       type(pose_t), intent(in), optional :: poses(:) !! poses of the pieces that turn far; there are none without them
       real(dp), allocatable :: internal(:, :), springs(:, :), contact(:, :), reaction(:, :), tied(:), named(:), &
-         moved(:, :), on_nodes(:, :), thrust(:, :)
+         moved(:, :), on_nodes(:, :), thrust(:, :), turned_forces(:, :)
       type(node_sums_t) :: sums
       real(dp) :: force_size, least_scale, work
       integer :: i, node
@@ -118,7 +118,7 @@ contains
       if (present(poses)) then
          moved = whole_displacement(body%turning, poses, body%mesh%coordinates, displacement)
          on_nodes = contact
-         call turn_back(body%turning, poses, contact)
+         call turn_vectors(body%turning, poses, contact, is_back=.true.)
       end if
       reaction = internal - load_case%force - contact
       named = force_values(body, reaction, displacement, force, load_case%driven)
@@ -166,6 +166,13 @@ contains
                end associate
             end do
          end do
+         if (present(poses)) then
+            ! Resultants are along the axes of the body.
+            turned_forces = reaction - springs
+            call turn_vectors(body%turning, poses, turned_forces, is_back=.false.)
+            sums%reaction(:size(contact, 1)) = sum(turned_forces, dim=2)
+            sums%contact(:size(contact, 1)) = sum(on_nodes, dim=2)
+         end if
          force_size = max(norm_of(loads, sums%largest_load), norm_of(reaction, sums%largest_reaction), &
             norm_of(contact, sums%largest_contact))
          ! Unloading leaves rounding errors of the forces before.

@@ -12,7 +12,7 @@ module amontons_pose
    implicit none (type, external)
    private
 
-   public :: elastic_part, find_turning_pieces, pose_t, stated_poses, turn_back, turn_forth, turning_piece_t, &
+   public :: elastic_part, find_turning_pieces, pose_t, stated_poses, turn_forth, turn_vectors, turning_piece_t, &
       whole_displacement
 
    !> A finite motion: in the plane a rotation about the pivot, and then a shift.
@@ -245,21 +245,22 @@ contains
       end do
    end function whole_displacement
 
-   !> Turns vectors at the nodes into the frames of their pieces.
-   pure subroutine turn_back(pieces, poses, vectors)
+   !> Turns vectors at the nodes with their pieces, or back into the frames of these.
+   pure subroutine turn_vectors(pieces, poses, vectors, is_back)
       type(turning_piece_t), intent(in) :: pieces(:) !! the pieces that turn
       type(pose_t), intent(in) :: poses(:) !! their poses
       real(dp), intent(inout) :: vectors(:, :) !! the vectors (components, n_nodes)
+      logical, intent(in) :: is_back !! whether to turn them back
       integer :: i, k
 
       do k = 1, size(pieces)
          do i = 1, size(pieces(k)%node)
             associate (vector => vectors(:, pieces(k)%node(i)))
-               vector = poses(k)%rotated(vector, is_back=.true.)
+               vector = poses(k)%rotated(vector, is_back)
             end associate
          end do
       end do
-   end subroutine turn_back
+   end subroutine turn_vectors
 
    !> Turns stresses into the axes of the body.
    pure subroutine turn_forth(pieces, poses, of_node, stress)

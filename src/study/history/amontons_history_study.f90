@@ -12,6 +12,7 @@ module amontons_history_study
    use amontons_key_results, only: contact_peaks, lengths_t, new_lengths, resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
+   use amontons_loads, only: load_on_motion
    use amontons_manifest, only: manifest_t
    use amontons_model_warnings, only: add_history_warnings
    use amontons_quantity, only: largest_t, quantity_t
@@ -471,7 +472,7 @@ contains
       end associate
       call add_result_warnings(result%last, cache%body)
       call add_history_results(result, model, cache%body)
-      call new_uniqueness(result%last%uniqueness, cache%problem)
+      if (.not. cache%body%slides_far) call new_uniqueness(result%last%uniqueness, cache%problem)
       call result%last%timings%begin(phase_write)
       call files%finish(model, result%stepping%n_steps, result%n_resumed, result%files%files, result%files%manifest, &
          error)
@@ -511,6 +512,8 @@ contains
          note = ''
          n = 0
          do i = 1, size(config%loads)
+            if (config%loads(i)%target == load_on_motion .and. .not. any(abs([config%loads(i)%force, &
+               config%loads(i)%moment]) > 0.0_dp)) cycle
             if (.not. any([(config%history%steps(k)%target == stepped_load .and. config%history%steps(k)%name &
                == config%loads(i)%name, k=1, size(config%history%steps))])) n = n + 1
          end do
