@@ -158,7 +158,7 @@ contains
    subroutine load_solver_slide(self, body, acting, problem, solution, outcome, reason, error_kind, before)
       class(load_solver_t), intent(in) :: self !! the solver, its loads condensed
       type(body_t), intent(inout) :: body !! the body, condensed; its contact points are left at the places found
-      class(acting_t), intent(inout) :: acting !! the member; gains gaps, anchors and ways of obstacles
+      class(acting_t), intent(inout) :: acting !! the member; gains gaps and anchors
       type(contact_problem_t), intent(in) :: problem !! the problem on its retained points, posed
       type(contact_solution_t), intent(inout) :: solution !! starting point; the result on return
       integer, intent(out) :: outcome !! one of the outcomes of `amontons_result`

@@ -99,7 +99,7 @@ contains
       type(body_t), intent(inout) :: body !! the body, condensed; its contact points are left at the places found
       type(load_family_t), intent(in) :: loads !! the family of loads
       class(contact_method_t), intent(in) :: method !! the contact method
-      class(acting_t), intent(inout) :: acting !! the member; gains gaps, anchors and ways of obstacles at these places
+      class(acting_t), intent(inout) :: acting !! the member; gains gaps and anchors at these places
       type(contact_problem_t), intent(in) :: problem !! the problem on the retained points, for its load
       type(contact_solution_t), intent(inout) :: solution !! its forces are the start; the result on return
       type(error_t), allocatable, intent(out) :: error !! contact does not hold the body, or memory ran out

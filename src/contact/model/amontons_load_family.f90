@@ -612,7 +612,8 @@ contains
       real(dp) :: frame(1 + body%zone%n_tangents, 1 + body%zone%n_tangents)
       integer :: i, p
 
-      if (all(motions%is_at_rest())) return
+      if (all(motions%is_at_rest()) .and. .not. body%slides_far) return
+      ! The work on an obstacle is that of its moment about the pivot, before it moves, too.
       acting%motions = motions
       if (body%slides_far) return
       call set_obstacles(moved, body%zone, body%mesh, self%contacts_of(acting), error)
