@@ -140,8 +140,10 @@ contains
          call now%begin(body, loads, acting)
          now%v = last%v
          call symmetric_multiply(body%flexibility, problem%load - search%force, now%v)
-         ! Its free motions are those of the step before.
+         ! Free motions are those of the step before.
          now%v = now%v + matmul(body%travel, matmul(last%v - now%v, body%travel))
+         ! Without forces bodies that touch would go into each other: where they move by little they are paired before.
+         if (.not. any(abs(search%force) > 0.0_dp) .and. maxval(abs(now%v - last%v)) < reach) now%v = last%v
          found = solution
          call solution%reset()
          call now%set(body)
