@@ -1,4 +1,4 @@
-!> Poses: finite motions of rigid obstacles, and of the pieces of a body in the plane that may turn far.
+!> Finite motions, called poses, of rigid obstacles and of the pieces of a body in the plane that may turn far.
 !>
 !> Where contact slides far, a piece that one rigid set alone supports, or nothing, has a frame of its own. Its nodes
 !> are at x = X + d(X) + R u, with the displacement d of the pose, its rotation R and small elastic displacements u. So

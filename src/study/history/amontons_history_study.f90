@@ -12,7 +12,6 @@ module amontons_history_study
    use amontons_key_results, only: contact_peaks, lengths_t, new_lengths, resultants
    use amontons_kinds, only: dp
    use amontons_listing, only: quantities_text
-   use amontons_loads, only: load_on_motion
    use amontons_manifest, only: manifest_t
    use amontons_model_warnings, only: add_history_warnings
    use amontons_quantity, only: largest_t, quantity_t
@@ -512,8 +511,6 @@ contains
          note = ''
          n = 0
          do i = 1, size(config%loads)
-            if (config%loads(i)%target == load_on_motion .and. .not. any(abs([config%loads(i)%force, &
-               config%loads(i)%moment]) > 0.0_dp)) cycle
             if (.not. any([(config%history%steps(k)%target == stepped_load .and. config%history%steps(k)%name &
                == config%loads(i)%name, k=1, size(config%history%steps))])) n = n + 1
          end do
